@@ -1,0 +1,84 @@
+"""python -m estimators LOG [NAME ...]: the methods on any log, simulated or real; a table, alarms, JSON.
+
+Exit status 0 when an estimator could be run, 2 with one line on stderr when not.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Sequence
+from dataclasses import asdict
+from pathlib import Path
+from typing import NoReturn
+
+from rich.console import Console
+
+from estimators.car import Car
+from estimators.registry import registered
+from estimators.runner import Bank, run_bank
+
+
+class Parser(argparse.ArgumentParser):
+    """Bad arguments are a ValueError, like every other bad input."""
+
+    def error(self, message: str) -> NoReturn:
+        raise ValueError(f"{message}; --help lists the options")
+
+
+def parser() -> Parser:
+    """The command line."""
+    command = Parser(prog="python -m estimators", description="Run estimators on a drive log.")
+    add = command.add_argument
+    add("log", nargs="?", type=Path, metavar="LOG", help="a .rrd recording, or a .csv or .mf4 log")
+    add("names", nargs="*", metavar="NAME", help="estimators to run (default: all, see --list)")
+    add("--column-map", type=Path, metavar="FILE", help="what the columns of a .csv or .mf4 log mean")
+    add("--car", type=Path, metavar="FILE", help="JSON: fields of estimators.car.Car, over those in the log")
+    add("--calibration", type=Path, metavar="FILE", help="start from what an earlier --json file learnt")
+    add("--json", type=Path, metavar="FILE", help="write estimates (SI), alarms, flags and calibration")
+    add("--list", action="store_true", help="list the estimators and what they read")
+    return command
+
+
+def run_on_log(options: argparse.Namespace, console: Console) -> None:
+    """Read, run, print, write. ValueError or OSError with one line when that is not possible."""
+    from estimators.readers import read_log  # file formats are imported when a file is read
+    from estimators.report import document, print_report, read_calibration, read_json_object, usable_signals, write_json
+
+    calibrations = read_calibration(options.calibration) if options.calibration else None
+    log = read_log(options.log, options.column_map)
+    car = Car.from_notes(log.notes)
+    if options.car:
+        car = Car.from_notes({"car": asdict(car) | read_json_object(options.car)})
+    bank = Bank(options.names or None, car, calibrations)
+    present = usable_signals(log)
+    missing = bank.missing(present)
+    if set(missing) == set(bank.names):
+        lacking = sorted({signal for signals in missing.values() for signal in signals})
+        raise ValueError(f"{options.log}: no usable signal, {', '.join(bank.names)} need {', '.join(lacking)}")
+    result = document(str(options.log), log, car, bank, run_bank(bank, log))
+    print_report(console, result)
+    if options.json:
+        write_json(options.json, result)
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Exit status."""
+    console = Console()
+    try:
+        options = parser().parse_intermixed_args(arguments)
+        if options.list:
+            for name, kind in registered().items():
+                console.print(f"{name}: reads {', '.join(kind.reads)}", highlight=False, soft_wrap=True)
+            return 0
+        if options.log is None:
+            raise ValueError("no LOG given, want a .rrd, .csv or .mf4 file; --list shows the estimators")
+        run_on_log(options, console)
+    except (ValueError, OSError) as error:
+        print(f"estimators: {' '.join(str(error).split())}", file=sys.stderr)
+        return 2
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

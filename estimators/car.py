@@ -1,0 +1,75 @@
+"""The car as its maker knows it: geometry, masses and constants that an estimator may use.
+
+Defaults: the Segment-D SUV of Brancati & Tufano, Machines 2022, 10, 1221, Table 1; where that table is silent the value
+is declared beside the field. A drive log carries its own car in `notes["car"]`, with the field names below.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from typing import Any
+
+GRAVITY = 9.81  # m/s^2
+AIR_DENSITY = 1.2  # kg/m^3
+AXLES = ("front", "rear")
+_MAY_BE_ZERO = ("drag_area", "front_wheel_inertia", "rear_wheel_inertia", "radius_sensitivity_relative_std")
+
+
+@dataclass(frozen=True)
+class Car:
+    """Lengths [m], masses [kg], inertias [kg m^2]; front means both front wheels are alike."""
+
+    cg_to_front_axle: float = 1.347
+    cg_to_rear_axle: float = 1.471
+    cg_height: float = 0.6
+    front_track: float = 1.606
+    rear_track: float = 1.6364
+    chassis_mass: float = 1788.0
+    front_wheel_mass: float = 61.14  # one wheel assembly
+    rear_wheel_mass: float = 52.75
+    rolling_radius: float = 0.36  # nominal effective radius, declared: 235/60R18
+    front_wheel_inertia: float = 1.6  # about the hub: rim, disc, tyre; declared
+    rear_wheel_inertia: float = 1.8  # declared
+    steering_ratio: float = 16.0  # steering-wheel angle per road-wheel angle, declared
+    driven_axle: str = "front"
+    drag_area: float = 0.9625  # drag coefficient 0.35 (declared) times frontal area 2.75 m^2
+    pressure: float = 250e3  # nominal, gauge [Pa]
+    radius_sensitivity: float = 4e-8  # d ln(effective radius) / d pressure [1/Pa], mean of real cars
+    radius_sensitivity_relative_std: float = 0.4  # real cars spread by that much
+
+    def __post_init__(self) -> None:
+        if self.driven_axle not in AXLES:
+            raise ValueError(f"car driven_axle is {self.driven_axle!r}, valid: {', '.join(AXLES)}")
+        for field in fields(self):
+            if field.name == "driven_axle":
+                continue
+            value = getattr(self, field.name)
+            number = isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
+            if not number or value < 0.0 or (value == 0.0 and field.name not in _MAY_BE_ZERO):
+                raise ValueError(f"car {field.name} is {value!r}, valid: a finite number above 0, SI units")
+
+    @property
+    def wheelbase(self) -> float:
+        """Front to rear axle [m]."""
+        return self.cg_to_front_axle + self.cg_to_rear_axle
+
+    @property
+    def mass(self) -> float:
+        """Chassis and four wheels [kg]."""
+        return self.chassis_mass + 2.0 * (self.front_wheel_mass + self.rear_wheel_mass)
+
+    @classmethod
+    def from_notes(cls, notes: Mapping[str, Any]) -> Car:
+        """The car that `notes["car"]` describes, defaults where it is silent. ValueError in one line if it makes no
+        sense.
+        """
+        given = notes.get("car", {})
+        if not isinstance(given, Mapping):
+            raise ValueError(f"notes['car'] is {given!r}, valid: a mapping of {', '.join(f.name for f in fields(cls))}")
+        known = {f.name for f in fields(cls)}
+        for name in given:
+            if name not in known:
+                raise ValueError(f"car has no field {name!r}, valid: {', '.join(sorted(known))}")
+        return cls(**given)

@@ -1,0 +1,109 @@
+"""What the estimators said of a log, as a JSON document and as tables.
+
+The document holds SI values at the end of the log; the tables turn ratios into percent and pascals into kPa. It also
+holds the calibration that was learnt, which `Bank` takes back for the next drive of the same car.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+from rich.table import Table
+
+from estimators.car import Car
+from estimators.drive_log import DriveLog, Signal
+from estimators.runner import Bank
+
+SHOWN = {"": (100.0, "%"), "Pa": (1e-3, "kPa"), "rad/s": (1.0, "rad/s")}
+
+
+def document(path: str, log: DriveLog, car: Car, bank: Bank, said: Mapping[str, Signal]) -> dict[str, Any]:
+    """Last estimates, alarms, flags and calibrations by estimator; JSON values, SI."""
+    missing = bank.missing(usable_signals(log))
+    methods = {
+        name: {
+            "missing_signals": missing.get(name, []),
+            "estimates": _last_estimates(name, said),
+            "alarms": [{"time_s": a.time, "wheels": list(a.wheels), "text": a.text} for a in bank.alarms[name]],
+            "flags": [{"time_s": f.time, "text": f.text} for f in bank.flags[name]],
+        }
+        for name in bank.names
+    }
+    return {"log": path, "car": asdict(car), "estimators": methods, "calibration": bank.calibrations()}
+
+
+def usable_signals(log: DriveLog) -> list[str]:
+    """Signals that an estimator may see and that hold at least one sample."""
+    return [name for name, signal in log.visible().items() if len(signal)]
+
+
+def _last_estimates(name: str, said: Mapping[str, Signal]) -> dict[str, dict[str, Any]]:
+    prefix = f"est/{name}/"
+    last = {}
+    for path, signal in said.items():
+        if path.startswith(prefix) and f"{path}/std" in said:
+            std = said[f"{path}/std"]
+            last[path.removeprefix(prefix)] = {
+                "time_s": float(signal.time[-1]),
+                "value": float(signal.value[-1]),
+                "std": float(std.value[-1]),
+                "unit": signal.unit,
+            }
+    return last
+
+
+def print_report(console: Console, result: Mapping[str, Any]) -> None:
+    """A table per estimator, then its alarms and flags."""
+    for name, method in result["estimators"].items():
+        if method["missing_signals"]:
+            console.print(f"{name}: unavailable, no {', '.join(method['missing_signals'])}", highlight=False)
+            continue
+        table = Table(title=f"{name}, at the end of {Path(result['log']).name}")
+        for heading, justify in (("estimate", "left"), ("value", "right"), ("std", "right"), ("unit", "left")):
+            table.add_column(heading, justify=justify)  # type: ignore[arg-type]
+        for quantity, entry in method["estimates"].items():
+            scale, unit = SHOWN.get(entry["unit"], (1.0, entry["unit"]))
+            table.add_row(quantity, f"{entry['value'] * scale:+.4g}", f"{entry['std'] * scale:.2g}", unit)
+        console.print(table)
+        for flag in method["flags"]:
+            console.print(f"flag  {flag['time_s']:9.1f} s  {flag['text']}", highlight=False, markup=False)
+        for alarm in method["alarms"]:
+            wheels = " ".join(alarm["wheels"])
+            console.print(f"ALARM {alarm['time_s']:9.1f} s  {wheels}: {alarm['text']}", highlight=False, markup=False)
+        if not method["alarms"]:
+            console.print("no alarms")
+
+
+def write_json(path: Path, result: Mapping[str, Any]) -> None:
+    """The file appears whole or not at all. OSError if it cannot be written."""
+    part = path.with_name(path.name + ".part")
+    try:
+        part.write_text(json.dumps(result, indent=1, allow_nan=False) + "\n")
+        part.replace(path)
+    except OSError:
+        part.unlink(missing_ok=True)
+        raise
+
+
+def read_json_object(path: Path) -> dict[str, Any]:
+    """A JSON object from a file. ValueError in one line if there is none."""
+    try:
+        content = json.loads(path.read_text())
+    except (UnicodeDecodeError, json.JSONDecodeError) as error:
+        raise ValueError(f"{path}: no JSON ({error})") from None
+    if not isinstance(content, dict):
+        raise ValueError(f"{path}: holds {type(content).__name__}, want a JSON object")
+    return content
+
+
+def read_calibration(path: Path) -> dict[str, Any]:
+    """The calibrations in a file that `write_json` wrote. ValueError in one line if it holds none."""
+    found = read_json_object(path).get("calibration")
+    if not isinstance(found, dict) or not found or not all(isinstance(entry, dict) for entry in found.values()):
+        raise ValueError(f"{path}: holds no calibration, want the --json output of a drive on which one was learnt")
+    return found

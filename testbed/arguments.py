@@ -1,0 +1,224 @@
+"""The command line of a drive: options with their units, and the scenario they mean.
+
+Whatever is typed in km/h, kPa, kPa/s, Celsius or per cent becomes SI here and nowhere else.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+from collections.abc import Iterable
+from pathlib import Path
+from typing import NoReturn
+
+from estimators.drive_log import WHEELS
+from testbed.manoeuvres.manoeuvre import manoeuvres
+from testbed.scenario import DRIVEN, Scenario
+from testbed.tyre.inflation import Leak, PressureSet
+
+KELVIN = 273.15
+RECORDINGS = Path("recordings")
+
+
+class Parser(argparse.ArgumentParser):
+    """argparse whose complaint is one line."""
+
+    def error(self, message: str) -> NoReturn:
+        self.exit(2, f"{self.prog}: {message}\n")
+
+
+def _number(text: str, what: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        raise ValueError(f"{what}: {text!r} is not a number") from None
+    if not math.isfinite(value):
+        raise ValueError(f"{what}: {text!r} is not a finite number")
+    return value
+
+
+def _wheel_values(items: Iterable[str], option: str, form: str) -> dict[str, str]:
+    """`fl=180` or `all=180`, several by commas or by repeating the option, as wheel -> text."""
+    values: dict[str, str] = {}
+    for item in [part for text in items for part in text.split(",")]:
+        wheel, equals, value = item.partition("=")
+        if not equals or not value:
+            raise ValueError(f"{option} {item!r}: want {form}")
+        if wheel not in (*WHEELS, "all"):
+            raise ValueError(f"{option} {item!r}: unknown wheel {wheel!r}; valid: {', '.join(WHEELS)}, all")
+        values.update(dict.fromkeys(WHEELS if wheel == "all" else (wheel,), value))
+    return values
+
+
+def _leaks(items: Iterable[str]) -> dict[str, Leak]:
+    leaks = {}
+    for wheel, text in _wheel_values(items, "--leak", "WHEEL=RATE[@START], such as rr=5@20").items():
+        rate, _, start = text.partition("@")
+        leaks[wheel] = Leak(1e3 * _number(rate, "--leak rate"), _number(start or "0", "--leak start"))
+    return leaks
+
+
+def _pressure_sets(items: Iterable[str]) -> dict[str, PressureSet]:
+    changes = {}
+    for wheel, text in _wheel_values(items, "--set", "WHEEL=PRESSURE@START[/WITHIN], such as fl=130@30/1.5").items():
+        pressure, _, when = text.partition("@")
+        start, _, within = when.partition("/")
+        if not start:
+            raise ValueError(f"--set {wheel}={text}: want WHEEL=PRESSURE@START[/WITHIN], such as fl=130@30/1.5")
+        changes[wheel] = PressureSet(
+            1e3 * _number(pressure, "--set pressure"),
+            _number(start, "--set start"),
+            _number(within or "0.1", "--set within"),
+        )
+    return changes
+
+
+def drive_parser() -> Parser:
+    """The parser of `python -m testbed.drive`."""
+    defaults = Scenario()
+    p = Parser(
+        prog="testbed.drive",
+        description="Drives a multibody car over a road and leaves a recording, which is also its log, and a table.",
+        epilog="manoeuvres: " + "; ".join(f"{name}: {m.about}" for name, m in manoeuvres().items()),
+    )
+    add = p.add_argument
+    add(
+        "--road",
+        default=defaults.road,
+        help="ISO 8608 class A to H, a sequence A:200,D:300 (metres), gd=5e-5 (m^3), flat, an OpenCRG "
+        "file .crg or a profile .txt with x z (default %(default)s)",
+    )
+    add("--speed", default="80", help="km/h, 0 to 200 (default %(default)s)")
+    add("--duration", default="60", help="s (default %(default)s)")
+    add("--manoeuvre", default=defaults.manoeuvre, help="one of those below (default %(default)s)")
+    add(
+        "--pressure",
+        action="append",
+        default=[],
+        metavar="WHEEL=KPA",
+        help="gauge pressure at the start in kPa, such as fl=180 or all=200; 0 is a flat tyre",
+    )
+    add(
+        "--leak",
+        action="append",
+        default=[],
+        metavar="WHEEL=RATE@START",
+        help="leak in kPa/s from a time in s on, such as rr=5@20; it dies out as the tyre goes flat",
+    )
+    add(
+        "--set",
+        action="append",
+        default=[],
+        metavar="WHEEL=KPA@START/WITHIN",
+        dest="sets",
+        help="bring a tyre to a pressure during the drive, such as fl=130@30/1.5 (kPa, s, s; without the last, "
+        "within 0.1 s)",
+    )
+    add("--load", default="0", help="payload in kg, 0 to 1000 (default %(default)s)")
+    add(
+        "--load-position",
+        default="-0.6,0,0",
+        help="its centre x,y,z from the chassis' centre of gravity in m (default %(default)s)",
+    )
+    add(
+        "--tyre",
+        default=defaults.tyre,
+        help="a tyre of models/tyres or a property file .toml or .tir (default %(default)s)",
+    )
+    add(
+        "--radius",
+        action="append",
+        default=[],
+        metavar="WHEEL=PERCENT",
+        help="a tyre's radius off nominal in per cent, such as rl=-0.3 (wear, spread of new tyres)",
+    )
+    add(
+        "--friction",
+        default=defaults.friction,
+        help="0.9, left/right 0.9/0.3, or along the road 0.9:100,0.9/0.2:50 (m)",
+    )
+    add("--grade", default="0", help="rise of the road in per cent (default %(default)s)")
+    add("--bank", default="0", help="cross slope in per cent, left side up (default %(default)s)")
+    add(
+        "--obstacle",
+        action="append",
+        default=[],
+        help="cleat@50:height=20,length=30,side=left (m, then mm) or pothole@80:depth=60,length=400,side=right",
+    )
+    add("--driven", default=defaults.driven, help=f"driven axle: {' or '.join(DRIVEN)} (default %(default)s)")
+    add("--ambient", default="20", help="air temperature in Celsius (default %(default)s)")
+    add("--seed", default="0", help="of road and sensors (default %(default)s)")
+    add("--sensors", metavar="FILE", help='JSON that overrides sensor settings, such as {"imu/gyro": {"noise": 0.001}}')
+    add("--estimators", default="", metavar="NAMES", help="by commas; default all; none for no estimator")
+    add("--scenario", metavar="FILE", help="JSON of a saved scenario; the other options of the drive are then not read")
+    add("--out", metavar="FILE.rrd", help="the recording (default recordings/ROAD.rrd)")
+    add("--json", metavar="FILE", help="write every figure of the table, and more, as JSON")
+    add("--quiet", action="store_true", help="no progress bar, no table")
+    return p
+
+
+def _position(text: str) -> tuple[float, float, float]:
+    parts = [_number(part, "--load-position") for part in text.split(",")]
+    if len(parts) != 3:
+        raise ValueError(f"--load-position {text!r}: want x,y,z in m")
+    return parts[0], parts[1], parts[2]
+
+
+def _seed(text: str) -> int:
+    try:
+        return int(text)
+    except ValueError:
+        raise ValueError(f"--seed {text!r}: want a whole number of 0 or more") from None
+
+
+def read_json(path: str, what: str) -> dict:
+    """A JSON object from a file. ValueError names the file."""
+    try:
+        content = json.loads(Path(path).read_text())
+    except OSError as error:
+        raise ValueError(f"{what} {path}: {error.strerror}") from None
+    except ValueError as error:
+        raise ValueError(f"{what} {path}: not JSON ({error})") from None
+    if not isinstance(content, dict):
+        raise ValueError(f"{what} {path}: want a JSON object")
+    return content
+
+
+def scenario_of(options: argparse.Namespace) -> Scenario:
+    """The scenario that the options mean. ValueError with one line that names the bad value and the valid ones."""
+    if options.scenario:
+        content = read_json(options.scenario, "--scenario")
+        try:
+            return Scenario.from_notes(content.get("scenario", content))
+        except (TypeError, AttributeError) as error:
+            raise ValueError(f"--scenario {options.scenario}: {error}") from None
+    pressures = _wheel_values(options.pressure, "--pressure", "WHEEL=KPA, such as fl=180")
+    radii = _wheel_values(options.radius, "--radius", "WHEEL=PERCENT, such as rl=-0.3")
+    speed = _number(options.speed, "--speed")
+    if not 0.0 <= speed <= 200.0:
+        raise ValueError(f"--speed {options.speed} km/h is out of range; valid: 0 to 200 km/h")
+    duration = _number(options.duration, "--duration")
+    if not 0.01 <= duration <= 86400.0:
+        raise ValueError(f"--duration {options.duration} s is out of range; valid: 0.01 to 86400 s")
+    return Scenario(
+        road=options.road,
+        speed=speed / 3.6,
+        duration=duration,
+        manoeuvre=options.manoeuvre,
+        tyre=options.tyre,
+        seed=_seed(options.seed),
+        pressures={w: 1e3 * _number(v, "--pressure") for w, v in pressures.items()},
+        leaks=_leaks(options.leak),
+        pressure_sets=_pressure_sets(options.sets),
+        radius_factor={w: 1.0 + 0.01 * _number(v, "--radius") for w, v in radii.items()},
+        payload=_number(options.load, "--load"),
+        payload_position=_position(options.load_position),
+        friction=options.friction,
+        grade=0.01 * _number(options.grade, "--grade"),
+        bank=0.01 * _number(options.bank, "--bank"),
+        obstacles=tuple(options.obstacle),
+        driven=options.driven,
+        ambient=_number(options.ambient, "--ambient") + KELVIN,
+        sensors=read_json(options.sensors, "--sensors") if options.sensors else {},
+    )

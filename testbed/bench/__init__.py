@@ -1,0 +1,1 @@
+"""How fast the testbed is: `python -m testbed.bench`."""

@@ -1,0 +1,148 @@
+"""A scenario: everything that decides a drive. Frozen, checked, saved with the result; the same scenario gives the same
+bytes.
+
+SI throughout. Field names are those of the saved JSON.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from estimators.drive_log import WHEELS
+from testbed.tyre.inflation import Leak, PressureSet
+
+FASTEST = 200.0 / 3.6  # m/s
+LONGEST = 24.0 * 3600.0  # s
+DRIVEN = ("front", "rear")
+
+# field, lowest, highest, unit: each must be a finite number within
+RANGES = (
+    ("speed", 0.0, FASTEST, "m/s"),
+    ("duration", 0.01, LONGEST, "s"),
+    ("payload", 0.0, 1000.0, "kg"),
+    ("grade", -0.3, 0.3, "-"),
+    ("bank", -0.2, 0.2, "-"),
+    ("ambient", 233.15, 333.15, "K"),
+    ("step", 1e-5, 1e-3, "s"),
+)
+PRESSURE_RANGE = (0.0, 500e3)  # Pa, gauge
+FARTHEST_LOAD = 3.0  # m from the chassis' centre of gravity, along each axis
+SENSOR_STEP = 1e-3  # s of the grid on which the sensors are fed: a whole number of steps
+TEXTS = ("road", "manoeuvre", "tyre", "friction", "driven")
+MAPPINGS = ("pressures", "leaks", "pressure_sets", "radius_factor", "sensors")
+
+
+def _number(value: object) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool)
+
+
+@dataclass(frozen=True)
+class Scenario:
+    """road, manoeuvre, tyre: as on the command line. speed [m/s], duration [s], payload [kg] at payload_position [m]
+    from the chassis' centre of gravity, pressures [Pa gauge] and radius_factor [-] by wheel, ambient [K], grade and
+    bank [-]."""
+
+    road: str = "C"
+    speed: float = 80.0 / 3.6
+    duration: float = 60.0
+    manoeuvre: str = "constant"
+    tyre: str = "suv-235-60r18"
+    seed: int = 0
+    pressures: Mapping[str, float] = field(default_factory=dict)
+    leaks: Mapping[str, Leak] = field(default_factory=dict)
+    pressure_sets: Mapping[str, PressureSet] = field(default_factory=dict)
+    radius_factor: Mapping[str, float] = field(default_factory=dict)
+    payload: float = 0.0
+    payload_position: tuple[float, float, float] = (-0.6, 0.0, 0.0)
+    friction: str = "1.0"
+    grade: float = 0.0
+    bank: float = 0.0
+    obstacles: tuple[str, ...] = ()
+    driven: str = "front"
+    ambient: float = 293.15
+    sensors: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+    step: float = 1e-3
+
+    def _check_kinds(self) -> None:
+        """ValueError where a field does not hold what it should: only a scenario from a file can be so wrong."""
+        for name in TEXTS:
+            if not isinstance(getattr(self, name), str):
+                raise ValueError(f"{name} {getattr(self, name)!r} is not a text")
+        for name in MAPPINGS:
+            if not isinstance(getattr(self, name), Mapping):
+                raise ValueError(f"{name} {getattr(self, name)!r} is not a mapping")
+        for text in self.obstacles:
+            if not isinstance(text, str):
+                raise ValueError(f"obstacle {text!r} is not a text")
+        timed: list[Leak | PressureSet] = [*self.leaks.values(), *self.pressure_sets.values()]
+        by_wheel = (*self.pressures.values(), *self.radius_factor.values())
+        for value in (*by_wheel, *(v for entry in timed for v in dataclasses.astuple(entry))):
+            if not _number(value):
+                raise ValueError(f"{value!r} of a wheel is not a number")
+        if not isinstance(self.seed, int) or isinstance(self.seed, bool) or not 0 <= self.seed < 2**63:
+            raise ValueError(f"seed {self.seed!r} is not valid; want a whole number from 0 to 2^63 - 1")
+        place = self.payload_position
+        if len(place) != 3 or not all(_number(v) and abs(v) <= FARTHEST_LOAD for v in place):
+            raise ValueError(f"payload position {list(place)} m: want x, y, z, each within +-{FARTHEST_LOAD:g} m")
+
+    def __post_init__(self) -> None:
+        self._check_kinds()
+        for name, low, high, unit in RANGES:
+            value = getattr(self, name)
+            if not (_number(value) and math.isfinite(value) and low <= value <= high):
+                raise ValueError(f"{name} {value} {unit} is out of range; valid: {low:g} to {high:g} {unit}")
+        if abs(SENSOR_STEP / self.step - round(SENSOR_STEP / self.step)) > 1e-9:
+            raise ValueError(f"step {self.step:g} s does not divide {SENSOR_STEP:g} s; valid: 1e-3, 5e-4, 2.5e-4 ...")
+        if self.driven not in DRIVEN:
+            raise ValueError(f"unknown driven axle {self.driven!r}; valid: {', '.join(DRIVEN)}")
+        for names in (self.pressures, self.leaks, self.pressure_sets, self.radius_factor):
+            for wheel in names:
+                if wheel not in WHEELS:
+                    raise ValueError(f"unknown wheel {wheel!r}; valid: {', '.join(WHEELS)}")
+        low, high = PRESSURE_RANGE
+        wanted = [*self.pressures.items(), *((w, s.pressure) for w, s in self.pressure_sets.items())]
+        for wheel, pressure in wanted:
+            if not low <= pressure <= high:
+                raise ValueError(
+                    f"pressure {wheel}={pressure / 1e3:g} kPa is out of range; valid: 0 to {high / 1e3:g} kPa"
+                )
+        for wheel, leak in self.leaks.items():
+            if not (0.0 < leak.rate <= 1e6 and 0.0 <= leak.start < math.inf):
+                raise ValueError(
+                    f"leak {wheel}={leak.rate / 1e3:g}@{leak.start:g} is out of range; valid: a rate above 0 up to "
+                    "1000 kPa/s and a start of 0 s or later"
+                )
+        for wheel, change in self.pressure_sets.items():
+            if not (0.0 <= change.start < math.inf and 0.0 < change.duration < math.inf):
+                raise ValueError(
+                    f"set {wheel} at {change.start:g} s within {change.duration:g} s is out of range; "
+                    "valid: a start of 0 s or later and a duration above 0 s"
+                )
+        for wheel, factor in self.radius_factor.items():
+            if not 0.9 <= factor <= 1.1:
+                raise ValueError(f"radius {wheel}={100 * (factor - 1):g} % is out of range; valid: -10 to 10 %")
+
+    def as_notes(self) -> dict[str, Any]:
+        """JSON values; `from_notes` gives the scenario back."""
+        notes = dataclasses.asdict(self)
+        notes["payload_position"], notes["obstacles"] = list(self.payload_position), list(self.obstacles)
+        return notes
+
+    @staticmethod
+    def from_notes(notes: Mapping[str, Any]) -> Scenario:
+        """The scenario of saved notes. ValueError names an unknown field."""
+        known = {f.name for f in dataclasses.fields(Scenario)}
+        odd = sorted(set(notes) - known)
+        if odd:
+            raise ValueError(f"unknown scenario field {odd[0]!r}; valid: {', '.join(sorted(known))}")
+        values = dict(notes)
+        for name in ("payload_position", "obstacles"):
+            if name in values:
+                values[name] = tuple(values[name])
+        values["leaks"] = {w: Leak(**leak) for w, leak in values.get("leaks", {}).items()}
+        values["pressure_sets"] = {w: PressureSet(**s) for w, s in values.get("pressure_sets", {}).items()}
+        return Scenario(**values)

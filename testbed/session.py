@@ -1,0 +1,77 @@
+"""One drive under way: physics, sensors, estimators and recording, a stretch of about a second at a time.
+
+The order within a stretch is the car's own: the road moves the car, the sensors feel it, the estimators hear the
+sensors (and nothing else), and everything goes into the recording.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from types import TracebackType
+
+import numpy as np
+
+from estimators.car import Car
+from estimators.drive_log import Signal
+from estimators.runner import FLUSH, Bank
+from testbed.drive_recording import DriveRecording
+from testbed.notes import drive_notes
+from testbed.scenario import SENSOR_STEP, Scenario
+from testbed.sensors import Motion, SensorSuite, sensor_settings
+from testbed.simulation import Simulation, Stretch
+
+
+def motion_of(stretch: Stretch, step: float) -> Motion:
+    """What the sensors feel in a stretch; its rows on the sensors' grid of 1 ms."""
+    tick = np.rint(stretch["time"] / step).astype(np.int64)
+    keep = slice(None) if step == SENSOR_STEP else np.flatnonzero(tick % round(SENSOR_STEP / step) == 0)
+    return Motion(
+        time=stretch["time"][keep],
+        accel_cg=stretch["accel"][keep],
+        gyro=stretch["gyro"][keep],
+        body_accel_z=stretch["body_accel_z"][keep],
+        hub_accel_z=stretch["hub_accel_z"][keep],
+        rim_angle=stretch["rim_angle"][keep],
+        rim_speed=stretch["rim_speed"][keep],
+        steering_wheel_angle=stretch["steering_wheel"][keep],
+        engine_torque=stretch["engine_torque"][keep],
+        driveline_torque=stretch["driveline_torque"][keep],
+        tyre_pressure=stretch["pressure"][keep],
+        tyre_temperature=stretch["temperature"][keep],
+    )
+
+
+class Session:
+    """A drive from its scenario. As a context manager it finishes the recording, or leaves it aside when the drive
+    fails."""
+
+    def __init__(self, scenario: Scenario, recording: Path | None, estimators: Sequence[str] | None) -> None:
+        """estimators: names, None for all. ValueError for anything in the scenario that is not valid."""
+        settings = sensor_settings(scenario.sensors)
+        self.simulation = Simulation(scenario)
+        notes = drive_notes(self.simulation)
+        self._bank = Bank(estimators, Car.from_notes(notes))
+        self._suite = SensorSuite(settings, scenario.seed, self.simulation)
+        self._recording = DriveRecording(recording, self.simulation, notes) if recording else None
+
+    def run(self) -> Iterator[tuple[Stretch, dict[str, Signal]]]:
+        """The drive to its end: each stretch with what the estimators said in it (`est/...`, `alarm/...`)."""
+        step = self.simulation.scenario.step
+        for stretch in self.simulation.stretches():
+            sensed = self._suite.advance(motion_of(stretch, step))
+            end = float(stretch["time"][-1]) + step
+            last = end > self.simulation.scenario.duration - 0.5 * step
+            said = self._bank.update(sensed, end + (FLUSH if last else 0.0))
+            if self._recording:
+                self._recording.add({**sensed, **said}, stretch)
+            yield stretch, said
+
+    def __enter__(self) -> Session:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, where: TracebackType | None
+    ) -> None:
+        if self._recording:
+            self._recording.abort() if error else self._recording.close()

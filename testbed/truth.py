@@ -1,0 +1,50 @@
+"""Truth signals of a stretch: what only a simulator knows, at 100 Hz, for plots and scores. No estimator may read
+them."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from estimators.drive_log import WHEELS, Signal
+from testbed.simulation import Stretch
+from testbed.trace import UNITS
+
+RATE = 100.0  # Hz
+# signal name, trace column
+PER_WHEEL = (
+    ("pressure", "pressure"),
+    ("stiffness", "stiffness"),
+    ("rolling_radius", "rolling_radius"),
+    ("load", "load"),
+    ("slip_ratio", "slip_ratio"),
+    ("slip_angle", "slip_angle"),
+    ("road_height", "road_height"),
+)
+
+
+def attitude(quaternion: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Roll, pitch, yaw [rad] (ISO 8855, z-y-x), shape (n, 3), of quaternions wxyz, shape (n, 4)."""
+    w, x, y, z = quaternion.T
+    roll = np.arctan2(2.0 * (w * x + y * z), 1.0 - 2.0 * (x * x + y * y))
+    pitch = np.arcsin(np.clip(2.0 * (w * y - z * x), -1.0, 1.0))
+    yaw = np.arctan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
+    return np.stack([roll, pitch, yaw], axis=1)
+
+
+def truth_signals(stretch: Stretch, step: float) -> dict[str, Signal]:
+    """`truth/...` of a stretch; every k-th row of the drive's clock, so that stretches join without a seam."""
+    time = stretch["time"]
+    every = max(round(1.0 / (RATE * step)), 1)
+    keep = np.flatnonzero(np.rint(time / step).astype(np.int64) % every == 0)
+    at = time[keep]
+    signals = {
+        f"truth/{wheel}/{name}": Signal(at, stretch[column][keep, i], UNITS[column])
+        for name, column in PER_WHEEL
+        for i, wheel in enumerate(WHEELS)
+    }
+    signals["truth/chassis/position"] = Signal(at, stretch["position"][keep], "m", "world")
+    signals["truth/chassis/velocity"] = Signal(at, stretch["velocity"][keep], "m/s", "world")
+    signals["truth/chassis/attitude"] = Signal(at, attitude(stretch["quaternion"][keep]), "rad", "world")
+    signals["truth/chassis/path_error"] = Signal(at, stretch["path_error"][keep], "m")
+    return signals

@@ -1,0 +1,1 @@
+"""The tyre as a force element: enveloping, vertical law, slip forces, relaxation, inflation."""

@@ -1,0 +1,107 @@
+"""Closed-form drives for the estimator tests: a rigid car rolls along a path with chosen radii, slip and noise.
+
+Wheel i turns at w_i = v_i (1 + slip_i) / r_i, with v_i the speed of its contact point along its own plane (Ackermann
+angles, no side slip at the rear), slip of the driven wheels mu / k. No dynamics: the path is given.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from estimators.car import AIR_DENSITY, Car
+from estimators.drive_log import WHEELS, DriveLog, Signal
+from estimators.wheel_radius.motion import axle_loads
+
+RATE = 100.0  # Hz
+
+
+@dataclass(frozen=True)
+class Noise:
+    """Standard deviations of one sample; gyro_offset [rad/s] is constant."""
+
+    omega: float = 0.03
+    gyro: float = 0.003
+    gyro_offset: float = 0.004
+    torque: float = 10.0
+
+
+QUIET = Noise(0.0, 0.0, 0.0, 0.0)
+
+
+def drive(
+    speed: NDArray[np.float64],
+    *,
+    car: Car | None = None,
+    radius_change: ArrayLike = (0.0, 0.0, 0.0, 0.0),
+    curvature: NDArray[np.float64] | float = 0.0,
+    compliance: NDArray[np.float64] | float = 0.034,
+    noise: Noise = QUIET,
+    seed: int = 0,
+) -> DriveLog:
+    """A log at 100 Hz. speed: rear axle [m/s], shape (n,); radius_change: relative, (4,) or (n, 4); compliance: 1/k, a
+    number or (n,); curvature [1/m].
+    """
+    car = car or Car()
+    rng = np.random.default_rng(seed)
+    time = (np.arange(len(speed)) + 0.5) / RATE
+    yaw_rate = speed * curvature
+    steer = np.arctan(car.wheelbase * np.broadcast_to(curvature, speed.shape))
+    acceleration = np.gradient(speed, 1.0 / RATE)
+    force = car.mass * acceleration + 0.5 * AIR_DENSITY * car.drag_area * speed**2
+    force = np.where(speed > 0.0, force, 0.0)
+    slip = _slip(car, force, acceleration, compliance)
+    radii = car.rolling_radius * (1.0 + np.broadcast_to(np.asarray(radius_change), (len(speed), 4)))
+    omega = contact_speeds(car, speed, curvature) * (1.0 + slip) / radii
+    moving = (speed > 0.0)[:, None]
+    omega = omega + noise.omega * rng.standard_normal(omega.shape) * moving
+    gyro = np.zeros((len(speed), 3))
+    gyro[:, 2] = yaw_rate + noise.gyro_offset + noise.gyro * rng.standard_normal(len(speed))
+    accel = np.column_stack([acceleration, speed * yaw_rate, np.full(len(speed), 9.81)])
+    driven_inertia = 2.0 * (car.front_wheel_inertia + car.rear_wheel_inertia) * acceleration / car.rolling_radius
+    torque = force * car.rolling_radius + driven_inertia + noise.torque * rng.standard_normal(len(speed))
+    signals = {f"wheel/{wheel}/speed": Signal(time, omega[:, i], "rad/s") for i, wheel in enumerate(WHEELS)}
+    signals["imu/gyro"] = Signal(time, gyro, "rad/s", "imu")
+    signals["imu/accel"] = Signal(time, accel, "m/s^2", "imu")
+    signals["driveline/torque"] = Signal(time, torque, "N m")
+    signals["steering/angle"] = Signal(time, steer * car.steering_ratio, "rad")
+    signals["truth/fl/radius"] = Signal(time, radii[:, 0], "m")
+    return DriveLog(signals, {"car": asdict(car)})
+
+
+def contact_speeds(car: Car, speed: NDArray[np.float64], curvature: NDArray[np.float64] | float) -> NDArray[np.float64]:
+    """Exact speed of each contact point along its wheel (n, 4): distance from the turning centre times yaw rate."""
+    kappa = np.broadcast_to(curvature, speed.shape)
+    sides = {"left": -1.0, "right": 1.0}
+    front = [np.hypot(1.0 + s * 0.5 * car.front_track * kappa, car.wheelbase * kappa) for s in sides.values()]
+    rear = [1.0 + s * 0.5 * car.rear_track * kappa for s in sides.values()]
+    return speed[:, None] * np.column_stack([*front, *rear])
+
+
+def _slip(car: Car, force: NDArray, acceleration: NDArray, compliance: NDArray | float) -> NDArray[np.float64]:
+    """Longitudinal slip of the four wheels (n, 4): ground force over load times compliance."""
+    loads = axle_loads(car, acceleration)
+    inertias = (car.front_wheel_inertia, car.rear_wheel_inertia)
+    slip = np.zeros((len(force), 4))
+    for axle in (0, 1):
+        inertia_force = inertias[axle] * acceleration / car.rolling_radius**2
+        driven = (car.driven_axle == "front") == (axle == 0)
+        other = inertias[1 - axle] * acceleration / car.rolling_radius**2
+        ground = 0.5 * force + other if driven else -inertia_force
+        slip[:, 2 * axle : 2 * axle + 2] = (compliance * ground / (0.5 * loads[axle]))[:, None]
+    return slip
+
+
+def varied_speed(seconds: float, mean: float = 20.0, swing: float = 5.0, period: float = 40.0) -> NDArray[np.float64]:
+    """A speed that swings about a mean [m/s], shape (100 * seconds,)."""
+    time = (np.arange(int(seconds * RATE)) + 0.5) / RATE
+    return mean + swing * np.sin(2.0 * np.pi * time / period)
+
+
+def last(said: Mapping[str, Signal], name: str) -> tuple[float, float]:
+    """Last (value, std) of an estimate of `wheel_radius`."""
+    value, std = said[f"est/wheel_radius/{name}"], said[f"est/wheel_radius/{name}/std"]
+    return float(value.value[-1]), float(std.value[-1])

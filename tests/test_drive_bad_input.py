@@ -1,0 +1,272 @@
+"""Bad input to `python -m testbed.drive`: exit status 2, one line that names it, nothing under the final name."""
+
+from __future__ import annotations
+
+import json
+import resource
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from testbed.drive import main
+
+SHARED = Path(__file__).resolve().parents[1].parent / "shared" / "data"
+
+
+def refusal(capsys: pytest.CaptureFixture[str], *arguments: str) -> str:
+    """The one line with which a drive is refused."""
+    try:
+        status = main(["--quiet", "--duration", "1", *arguments])
+    except SystemExit as left:  # argparse's own
+        status = left.code
+    said = capsys.readouterr()
+    assert status == 2
+    assert said.out == ""
+    lines = said.err.splitlines()
+    assert len(lines) == 1, said.err
+    assert lines[0].startswith("testbed.drive: ")
+    return lines[0]
+
+
+# arguments, what the line must name: the bad value and the valid ones
+REFUSED = [
+    (["--road", "J"], ["'J'", "A..H"]),
+    (["--road", ""], ["''", "A..H"]),
+    (["--road", "A:0,D:300"], ["A:0"]),
+    (["--road", "A:x,D"], ["A:x"]),
+    (["--road", "gd=-1"], ["gd=-1", "m^3"]),
+    (["--road", "gd=nan"], ["gd=nan", "m^3"]),
+    (["--road", "nowhere.crg"], ["nowhere.crg"]),
+    (["--road", "nowhere.txt"], ["nowhere.txt"]),
+    (["--manoeuvre", "loop"], ["'loop'", "constant", "slalom"]),
+    (["--estimators", "magic"], ["'magic'", "wheel_radius"]),
+    (["--tyre", "stone"], ["stone", "suv-235-60r18"]),
+    (["--tyre", "nowhere.tir"], ["nowhere.tir"]),
+    (["--tyre", "nowhere.toml"], ["nowhere.toml"]),
+    (["--driven", "left"], ["'left'", "front, rear"]),
+    (["--duration", "0"], ["duration 0", "0.01 to 86400"]),
+    (["--duration", "-3"], ["duration -3", "0.01 to 86400"]),
+    (["--duration", "nan"], ["'nan'"]),
+    (["--duration", "1e9"], ["1e9", "0.01 to 86400"]),
+    (["--duration", "long"], ["'long'"]),
+    (["--speed", "-80"], ["-80", "0 to 200"]),
+    (["--speed", "201"], ["201", "0 to 200"]),
+    (["--speed", "inf"], ["'inf'"]),
+    (["--pressure", "fx=180"], ["'fx'", "fl, fr, rl, rr"]),
+    (["--pressure", "180"], ["'180'", "fl=180"]),
+    (["--pressure", "fl=-5"], ["fl=-5", "0 to 500"]),
+    (["--pressure", "fl=501"], ["fl=501", "0 to 500"]),
+    (["--pressure", "fl=nan"], ["'nan'"]),
+    (["--leak", "rr=-5@20"], ["rr=-5@20"]),
+    (["--leak", "rr=5@-1"], ["rr=5@-1"]),
+    (["--leak", "rr=five"], ["'five'"]),
+    (["--set", "fl=130"], ["fl=130", "fl=130@30/1.5"]),
+    (["--set", "fl=900@1"], ["900", "0 to 500"]),
+    (["--load", "-1"], ["-1", "0 to 1000"]),
+    (["--load", "5000"], ["5000", "0 to 1000"]),
+    (["--load", "nan"], ["'nan'"]),
+    (["--load-position", "1,2"], ["'1,2'", "x,y,z"]),
+    (["--load-position", "9,0,0"], ["9", "3 m"]),
+    (["--radius", "fl=50"], ["50", "-10 to 10"]),
+    (["--friction", "0"], ["'0'", "2"]),
+    (["--friction", "wet"], ["'wet'"]),
+    (["--grade", "80"], ["0.8", "0.3"]),
+    (["--bank", "nan"], ["'nan'"]),
+    (["--ambient", "-200"], ["ambient", "233.15"]),
+    (["--obstacle", "tree@5"], ["tree"]),
+    (["--obstacle", "cleat@50:height=x"], ["height"]),
+    (["--seed", "-1"], ["-1", "0 to 2^63"]),
+    (["--seed", "1.5"], ["'1.5'"]),
+    (["--wings", "2"], ["--wings"]),
+    (["--sensors", "nowhere.json"], ["nowhere.json"]),
+    (["--scenario", "nowhere.json"], ["nowhere.json"]),
+]
+
+
+@pytest.mark.parametrize(("arguments", "named"), REFUSED, ids=[" ".join(a) for a, _ in REFUSED])
+def test_bad_value_is_refused_by_name(
+    arguments: list[str],
+    named: list[str],
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    line = refusal(capsys, "--out", str(tmp_path / "drive.rrd"), "--json", str(tmp_path / "drive.json"), *arguments)
+    for part in named:
+        assert part in line
+    assert list(tmp_path.iterdir()) == []
+
+
+SCENARIOS = [
+    ("", "JSON"),
+    ("{", "JSON"),
+    ("[1]", "JSON object"),
+    ('{"speeed": 10}', "'speeed'"),
+    ('{"speed": "fast"}', "fast"),
+    ('{"speed": NaN}', "nan"),
+    ('{"duration": true}', "True"),
+    ('{"road": 5}', "5"),
+    ('{"seed": 1.5}', "1.5"),
+    ('{"pressures": {"fl": "soft"}}', "soft"),
+    ('{"pressures": 5}', "5"),
+    ('{"leaks": {"fl": 5}}', "Leak"),
+    ('{"leaks": {"fl": {"rate": "x"}}}', "'x'"),
+    ('{"obstacles": [5]}', "5"),
+    ('{"obstacles": 5}', "int"),
+    ('{"payload_position": [1, 2]}', "[1, 2]"),
+    ('{"payload_position": [NaN, 0, 0]}', "nan"),
+    ('{"sensors": 5}', "5"),
+    ('{"step": 0.0003}', "0.0003"),
+    ('{"scenario": 5}', "scenario"),
+]
+
+
+@pytest.mark.parametrize(("text", "named"), SCENARIOS, ids=[text for text, _ in SCENARIOS])
+def test_malformed_scenario_file_is_refused(
+    text: str, named: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    saved = tmp_path / "saved.json"
+    saved.write_text(text)
+    assert named in refusal(capsys, "--scenario", str(saved), "--out", str(tmp_path / "drive.rrd"))
+    assert list(tmp_path.iterdir()) == [saved]
+
+
+SENSORS = [
+    ("", "JSON"),
+    ("[]", "JSON object"),
+    ('{"imu/taste": {"noise": 1}}', "'imu/taste'"),
+    ('{"imu/gyro": {"nose": 1}}', "'nose'"),
+    ('{"imu/gyro": {"noise": -1}}', "-1"),
+    ('{"imu/gyro": {"noise": NaN}}', "nan"),
+    ('{"imu/gyro": {"noise": "low"}}', "'low'"),
+    ('{"imu/gyro": 5}', "5"),
+]
+
+
+@pytest.mark.parametrize(("text", "named"), SENSORS, ids=[text for text, _ in SENSORS])
+def test_malformed_sensor_settings_are_refused(
+    text: str, named: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    settings = tmp_path / "sensors.json"
+    settings.write_text(text)
+    assert named in refusal(capsys, "--sensors", str(settings), "--out", str(tmp_path / "drive.rrd"))
+    assert list(tmp_path.iterdir()) == [settings]
+
+
+def truncated(name: str) -> Callable[[Path], None]:
+    def write(target: Path) -> None:
+        source = SHARED / name
+        if not source.is_file():
+            pytest.skip(f"needs {source}")
+        content = source.read_bytes()
+        target.write_bytes(content[: int(0.61 * len(content))])
+
+    return write
+
+
+def holding(content: bytes) -> Callable[[Path], None]:
+    return lambda target: target.write_bytes(content) and None
+
+
+FILES = [
+    ("--road", "empty.crg", holding(b"")),
+    ("--road", "noise.crg", holding(bytes(range(256)) * 9)),
+    ("--road", "words.crg", holding(b"$CT\nnothing measured\n")),
+    ("--road", "short.crg", truncated("belgian_block.crg")),
+    ("--road", "short.crg", truncated("krc_rms_course_2in.crg")),
+    ("--road", "empty.txt", holding(b"")),
+    ("--road", "noise.txt", holding(bytes(range(128, 256)) * 9)),
+    ("--road", "words.txt", holding(b"0 0\n0.25 high\n")),
+    ("--road", "backwards.txt", holding(b"".join(b"%d 0\n" % -k for k in range(20)))),
+    ("--road", "nan.txt", holding(b"".join(b"%d nan\n" % k for k in range(20)))),
+    ("--tyre", "empty.tir", holding(b"")),
+    ("--tyre", "noise.tir", holding(bytes(range(256)))),
+    ("--tyre", "words.tir", holding(b"[MODEL]\nFITTYP = round\n")),
+    ("--tyre", "short.tir", truncated("fed_alpha_335_65R22.5_40psi.tir")),
+    ("--tyre", "empty.toml", holding(b"")),
+    ("--tyre", "words.toml", holding(b"stiffness = high\n")),
+]
+
+
+@pytest.mark.parametrize(("option", "name", "write"), FILES, ids=[f"{n}{k}" for k, (_, n, _) in enumerate(FILES)])
+def test_damaged_road_or_tyre_file_is_refused_by_name(
+    option: str, name: str, write: Callable[[Path], None], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    write(tmp_path / name)
+    assert name in refusal(capsys, option, str(tmp_path / name), "--out", str(tmp_path / "drive.rrd"))
+    assert [path.name for path in tmp_path.iterdir()] == [name]
+
+
+@pytest.mark.parametrize("content", [b"", b"RRF2", bytes(range(256)) * 20], ids=["empty", "head alone", "noise"])
+def test_damaged_log_is_refused(content: bytes, tmp_path: Path) -> None:
+    log = tmp_path / "drive.rrd"
+    log.write_bytes(content)
+    done = subprocess.run([sys.executable, "-m", "estimators", str(log)], capture_output=True, text=True, check=False)
+    assert done.returncode == 2
+    assert len(done.stderr.splitlines()) == 1
+    assert "drive.rrd" in done.stderr
+
+
+OUTPUTS = [
+    ("--out", "drive.txt", ".rrd"),
+    ("--out", "taken.rrd", "folder"),
+    ("--out", "file/drive.rrd", "file/drive.rrd"),
+    ("--out", "/proc/drive.rrd", "/proc/drive.rrd"),
+    ("--json", "taken.rrd", "folder"),
+    ("--json", "nowhere/drive.json", "nowhere/drive.json"),
+    ("--json", "/proc/drive.json", "/proc/drive.json"),
+]
+
+
+@pytest.mark.parametrize(("option", "name", "named"), OUTPUTS, ids=[f"{o} {n}" for o, n, _ in OUTPUTS])
+def test_output_that_cannot_be_written_is_refused(
+    option: str, name: str, named: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "taken.rrd").mkdir()
+    (tmp_path / "file").write_text("")
+    arguments = ["--out", str(tmp_path / "fine.rrd"), option, str(tmp_path / name)]
+    assert named in refusal(capsys, *arguments)
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["file", "taken.rrd"]
+
+
+def test_full_disk_is_told_and_leaves_nothing_under_the_final_names(tmp_path: Path) -> None:
+    """A limit on file size stands for the full disk: the write that exceeds it fails in the same way."""
+    command = [sys.executable, "-m", "testbed.drive", "--duration", "20", "--out", "drive.rrd", "--json", "drive.json"]
+    limit = 1_000_000  # bytes, a second or two of driving
+    done = subprocess.run(
+        [*command, "--quiet"],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        check=False,
+        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit)),
+    )
+    assert done.returncode == 2, done.stderr
+    assert len(done.stderr.splitlines()) == 1, done.stderr
+    assert "drive.rrd" in done.stderr
+    assert [path.name for path in tmp_path.iterdir()] == ["drive.part.rrd"]
+
+
+def test_drive_that_diverges_is_told_and_leaves_nothing_under_the_final_names(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    """Four times class H at 200 km/h throws any car."""
+    out, result = tmp_path / "drive.rrd", tmp_path / "drive.json"
+    road = ["--road", "gd=1", "--speed", "200", "--quiet"]
+    assert main([*road, "--out", str(out), "--json", str(result)]) == 2
+    lines = capfd.readouterr().err.splitlines()
+    assert len(lines) == 1, lines
+    assert "gd=1 at 200 km/h is more than it can take" in lines[0]
+    assert not out.exists()
+    assert not result.exists()
+
+
+def test_failed_drive_leaves_an_earlier_result_as_it_was(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    result = tmp_path / "drive.json"
+    result.write_text(json.dumps({"earlier": True}))
+    refusal(capsys, "--road", "J", "--out", str(tmp_path / "drive.rrd"), "--json", str(result))
+    assert json.loads(result.read_text()) == {"earlier": True}

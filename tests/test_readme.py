@@ -1,0 +1,73 @@
+"""What the README shows is run: its commands, its options, its list of manoeuvres, its figures."""
+
+from __future__ import annotations
+
+import re
+import shlex
+from pathlib import Path
+
+import pytest
+
+from estimators.__main__ import main as estimate
+from testbed.arguments import drive_parser
+from testbed.drive import main as drive
+from testbed.manoeuvres.manoeuvre import manoeuvres
+
+ROOT = Path(__file__).resolve().parents[1]
+README = (ROOT / "README.md").read_text()
+COMMANDS = re.findall(r"^\$ (.+)$", README, re.MULTILINE)
+DRIVES = [c for c in COMMANDS if c.startswith("python -m testbed.drive")]
+LOGS = [c for c in COMMANDS if c.startswith("python -m estimators")]
+
+
+def _options_in(text: str) -> set[str]:
+    return set(re.findall(r"`(--[a-z-]+)`", text))
+
+
+def test_readme_names_every_option_of_a_drive_and_no_other():
+    table = README[README.index("## Options of a drive") : README.index("## Estimators")]
+    actions = drive_parser()._actions
+    known = {name for action in actions for name in action.option_strings if name not in ("-h", "--help")}
+    assert _options_in(table) == known
+
+
+def test_readme_lists_every_manoeuvre():
+    line = next(row for row in README.splitlines() if row.startswith("| `--manoeuvre`"))
+    assert set(re.findall(r"`([a-z-]+)`", line)) - {"--manoeuvre"} == set(manoeuvres())
+
+
+def test_readme_shows_the_two_commands_that_the_makefile_has():
+    targets = re.findall(r"^([a-z]+):", (ROOT / "Makefile").read_text(), re.MULTILINE)
+    assert {"make drive ROAD=C", "make test"} <= set(COMMANDS)
+    assert {"drive", "test"} <= set(targets)
+
+
+@pytest.mark.parametrize("command", DRIVES)
+def test_readme_drive_runs(command, tmp_path, monkeypatch):
+    """As typed, but two seconds of it, in a folder of its own."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "recordings").mkdir()
+    words = shlex.split(command)[3:]
+    assert drive([*words, "--duration", "2", "--quiet"]) == 0
+    assert list((tmp_path / "recordings").glob("*.rrd"))
+
+
+@pytest.mark.parametrize("command", LOGS)
+def test_readme_estimators_run(command, tmp_path, monkeypatch, capsys):
+    words = shlex.split(command)[3:]
+    if words[0].startswith("../shared") and not (ROOT / words[0]).exists():
+        pytest.skip(f"{words[0]} is not there")
+    if words[0].startswith("recordings/"):
+        words[0] = str(tmp_path / "log.rrd")
+        assert drive(["--road", "C", "--duration", "3", "--quiet", "--out", words[0]]) == 0
+    else:
+        monkeypatch.chdir(ROOT)
+    assert estimate(words) == 0
+    assert "wheel_radius" in capsys.readouterr().out
+
+
+def test_files_that_the_readme_names_exist():
+    for name in re.findall(r"`((?:testbed|models|estimators|tests)/[\w/.]*)`", README):
+        assert (ROOT / name).exists(), name
+    for name in re.findall(r"!\[[^\]]*\]\(([^)]+)\)", README):
+        assert (ROOT / name).exists(), name
