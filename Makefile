@@ -8,7 +8,7 @@ ROAD ?= C
 BIN = .venv/bin
 SOURCES := $(shell find models testbed estimators -name '*.py' -o -name '*.toml')
 
-.PHONY: drive test check bench setup clean
+.PHONY: drive test check validation bench setup clean
 
 drive: setup
 	$(BIN)/python -m testbed.drive --road "$(ROAD)" $(ARGS)
@@ -20,6 +20,10 @@ check: setup
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
 	$(BIN)/mypy
+
+# what the validation tests measured, as the README's table
+validation: setup
+	$(BIN)/python -m pytest --claims
 
 bench: setup
 	$(BIN)/python -m testbed.bench $(ARGS)
