@@ -8,16 +8,17 @@ from importlib.metadata import version
 from typing import Any
 
 from estimators.car import Car
-from testbed.simulation import Simulation
+from models.tyre_properties import TyreProperties
+from models.vehicle import Vehicle
+from testbed.simulation import Simulation, nominal_radius
 
 PACKAGES = ("vehicle-testbed", "mujoco", "numpy", "numba", "rerun-sdk")
 
 
-def car_notes(simulation: Simulation) -> dict[str, Any]:
-    """What an estimator may know of the car beforehand; SI, fields of `estimators.car.Car`."""
-    v, tyre = simulation.vehicle, simulation.tyre
-    body = v.chassis
-    car = Car(
+def known_car(vehicle: Vehicle, tyre: TyreProperties, driven: str) -> Car:
+    """What an estimator may know beforehand of a car on such tyres, driven on that axle."""
+    v, body = vehicle, vehicle.chassis
+    return Car(
         cg_to_front_axle=body.cg_to_front_axle,
         cg_to_rear_axle=body.cg_to_rear_axle,
         cg_height=body.cg_height,
@@ -26,21 +27,21 @@ def car_notes(simulation: Simulation) -> dict[str, Any]:
         chassis_mass=body.mass,
         front_wheel_mass=v.front.wheel_assembly_mass,
         rear_wheel_mass=v.rear.wheel_assembly_mass,
-        rolling_radius=simulation.nominal_radius,
+        rolling_radius=nominal_radius(vehicle, tyre),
         front_wheel_inertia=v.front.spin_inertia + tyre.belt_iyy,
         rear_wheel_inertia=v.rear.spin_inertia + tyre.belt_iyy,
         steering_ratio=v.driveline.steering_ratio,
-        driven_axle=simulation.scenario.driven,
+        driven_axle=driven,
         drag_area=body.drag_coefficient * body.frontal_area,
         pressure=tyre.p0,
     )
-    return dataclasses.asdict(car)
 
 
-def drive_notes(simulation: Simulation) -> dict[str, Any]:
-    """JSON values."""
+def drive_notes(simulation: Simulation, car: Car | None = None) -> dict[str, Any]:
+    """JSON values. car: what the estimators are told, None for the car that drives."""
+    car = car or known_car(simulation.vehicle, simulation.tyre, simulation.scenario.driven)
     return {
         "scenario": simulation.scenario.as_notes(),
-        "car": car_notes(simulation),
+        "car": dataclasses.asdict(car),
         "versions": {name: version(name) for name in PACKAGES},
     }

@@ -6,15 +6,19 @@ sensors (and nothing else), and everything goes into the recording.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
+from typing import Any
 
 import numpy as np
 
 from estimators.car import Car
 from estimators.drive_log import Signal
 from estimators.runner import FLUSH, Bank
+from models.tyre_properties import TyreProperties
+from models.vehicle import Vehicle
 from testbed.drive_recording import DriveRecording
 from testbed.notes import drive_notes
 from testbed.scenario import SENSOR_STEP, Scenario
@@ -42,16 +46,35 @@ def motion_of(stretch: Stretch, step: float) -> Motion:
     )
 
 
+@dataclass(frozen=True)
+class Variant:
+    """What a campaign changes that a scenario cannot say; None leaves it as the scenario has it.
+
+    vehicle, tyre: what drives. car: what the estimators are told of it. calibrations: what they learnt of it before,
+    by estimator.
+    """
+
+    vehicle: Vehicle | None = None
+    tyre: TyreProperties | None = None
+    car: Car | None = None
+    calibrations: Mapping[str, Mapping[str, Any]] | None = None
+
+
+PLAIN = Variant()
+
+
 class Session:
     """A drive from its scenario. As a context manager it finishes the recording, or leaves it aside when the drive
     fails."""
 
-    def __init__(self, scenario: Scenario, recording: Path | None, estimators: Sequence[str] | None) -> None:
+    def __init__(
+        self, scenario: Scenario, recording: Path | None, estimators: Sequence[str] | None, variant: Variant = PLAIN
+    ) -> None:
         """estimators: names, None for all. ValueError for anything in the scenario that is not valid."""
         settings = sensor_settings(scenario.sensors)
-        self.simulation = Simulation(scenario)
-        notes = drive_notes(self.simulation)
-        self._bank = Bank(estimators, Car.from_notes(notes))
+        self.simulation = Simulation(scenario, variant.vehicle, variant.tyre)
+        notes = drive_notes(self.simulation, variant.car)
+        self.bank = Bank(estimators, Car.from_notes(notes), variant.calibrations)
         self._suite = SensorSuite(settings, scenario.seed, self.simulation)
         self._recording = DriveRecording(recording, self.simulation, notes) if recording else None
 
@@ -62,7 +85,7 @@ class Session:
             sensed = self._suite.advance(motion_of(stretch, step))
             end = float(stretch["time"][-1]) + step
             last = end > self.simulation.scenario.duration - 0.5 * step
-            said = self._bank.update(sensed, end + (FLUSH if last else 0.0))
+            said = self.bank.update(sensed, end + (FLUSH if last else 0.0))
             if self._recording:
                 self._recording.add({**sensed, **said}, stretch)
             yield stretch, said

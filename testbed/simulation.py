@@ -55,6 +55,12 @@ class Stretch:
         return trace.column(self.rows, name)
 
 
+def nominal_radius(vehicle: Vehicle, tyre: TyreProperties) -> float:
+    """Rolling radius at the static mean load, nominal pressure and 80 km/h [m]: what the car's maker writes down."""
+    fz = 0.25 * vehicle.mass * GRAVITY
+    return float(vertical.effective_rolling_radius(vertical.vertical_law(tyre), 80.0 / 3.6 / tyre.r0, fz, tyre.p0))
+
+
 class Simulation:
     """One drive. Everything random in it comes from the scenario's seed."""
 
@@ -89,11 +95,8 @@ class Simulation:
 
     @property
     def nominal_radius(self) -> float:
-        """Rolling radius at the static mean load, nominal pressure and 80 km/h [m]: what the car's maker writes
-        down."""
-        fz = 0.25 * self.vehicle.mass * GRAVITY
-        omega = 80.0 / 3.6 / self.tyre.r0
-        return float(vertical.effective_rolling_radius(self.element.law, omega, fz, self.tyre.p0))
+        """See the function of that name [m]."""
+        return nominal_radius(self.vehicle, self.tyre)
 
     def _constants(self, plan: driver.Plan) -> Constants:
         s, body = self.scenario, self.vehicle.chassis

@@ -1,0 +1,23 @@
+"""A digest of all that decides the numbers of a drive: this project's sources and data, and the versions below them."""
+
+from __future__ import annotations
+
+import hashlib
+from functools import cache
+from importlib.metadata import version
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+PACKAGES = ("estimators", "models", "testbed")
+BELOW = ("mujoco", "numpy", "scipy", "numba", "filterpy")
+KINDS = (".py", ".toml")
+
+
+@cache
+def code_version() -> str:
+    """16 hexadecimal digits; another digest means that finished drives are not comparable with new ones."""
+    digest = hashlib.sha256("".join(f"{name} {version(name)}\n" for name in BELOW).encode())
+    sources = (f for package in PACKAGES for f in (ROOT / package).rglob("*") if f.suffix in KINDS)
+    for source in sorted(sources):
+        digest.update(str(source.relative_to(ROOT)).encode() + source.read_bytes())
+    return digest.hexdigest()[:16]
