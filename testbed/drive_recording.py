@@ -26,7 +26,7 @@ from testbed.recording import RecordingWriter
 from testbed.recording.road import road_piece
 from testbed.recording.scene import Scene
 from testbed.simulation import Simulation, Stretch
-from testbed.truth import truth_signals
+from testbed.truth import change_signals, truth_signals
 
 PIECE = 20.0  # m of road a piece, along the car's way
 MARGIN = 5.0  # m of road drawn to the sides of the car's way
@@ -62,7 +62,8 @@ class DriveRecording:
             self._pending.popleft().result()
 
     def _record(self, signals: Mapping[str, Signal], stretch: Stretch) -> None:
-        truth = truth_signals(stretch, self._simulation.scenario.step)
+        car = self._simulation
+        truth = truth_signals(stretch, car.scenario.step) | change_signals(stretch, car.tyre.p0, car.nominal_radius)
         for name, signal in (*signals.items(), *truth.items()):
             self._waiting.setdefault(name, []).append(signal)
         self._poses.append((stretch.pose_time, stretch.poses))

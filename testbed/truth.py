@@ -1,5 +1,7 @@
-"""Truth signals of a stretch: what only a simulator knows, at 100 Hz, for plots and scores. No estimator may read
-them."""
+"""Truth signals of a stretch: what only a simulator knows, for plots and scores. No estimator may read them.
+
+At 100 Hz, but for the changes that methods estimate (`testbed.course`): one mean a stretch.
+"""
 
 from __future__ import annotations
 
@@ -7,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimators.drive_log import WHEELS, Signal
+from testbed.course import CourseTaker, truth_of
 from testbed.simulation import Stretch
 from testbed.trace import UNITS
 
@@ -21,6 +24,7 @@ PER_WHEEL = (
     ("slip_angle", "slip_angle"),
     ("road_height", "road_height"),
 )
+CHANGES = (("pressure_change", "Pa"), ("radius_change", ""))
 
 
 def attitude(quaternion: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -48,3 +52,18 @@ def truth_signals(stretch: Stretch, step: float) -> dict[str, Signal]:
     signals["truth/chassis/attitude"] = Signal(at, attitude(stretch["quaternion"][keep]), "rad", "world")
     signals["truth/chassis/path_error"] = Signal(at, stretch["path_error"][keep], "m")
     return signals
+
+
+def change_signals(stretch: Stretch, nominal_pressure: float, nominal_radius: float) -> dict[str, Signal]:
+    """`truth/WHEEL/pressure_change` and `radius_change` against nominal [Pa], [m], each less the mean of the four: what
+    a method that compares the wheels with one another estimates. One value, the stretch's mean, at its end."""
+    taker = CourseTaker()
+    taker.add(stretch)
+    course, reference = taker.course(), np.full(4, nominal_radius)
+    found = {}
+    for name, unit in CHANGES:
+        for wheel in WHEELS:
+            truth = truth_of(f"{wheel}/{name}", course, nominal_pressure, reference)
+            if truth is not None:
+                found[f"truth/{wheel}/{name}"] = Signal(course.time, truth, unit)
+    return found

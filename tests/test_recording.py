@@ -239,16 +239,20 @@ def test_the_layout_asks_only_for_what_the_recording_holds(recorded: tuple[Path,
     assert followed <= drawn  # the viewer's camera ignores an entity that draws nothing
 
 
-def test_a_plot_of_estimates_alone_is_wide_enough_for_their_bands(tmp_path: Path) -> None:
+def test_a_wheels_plot_shows_truth_and_estimate_and_is_wide_enough_for_truth_and_band(tmp_path: Path) -> None:
     with RecordingWriter(tmp_path / "a.rrd", {}) as writer:
         for wheel, mean in (("fl", 2.0), ("rr", -2.0)):
             writer.add(f"est/m/{wheel}/radius_change", [0.0, 1.0], [mean, mean], "")
             writer.add(f"est/m/{wheel}/radius_change/std", [0.0, 1.0], [3.0, 3.0], "")
+        writer.add("truth/fl/radius_change", [0.0, 1.0], [0.0, 9.0], "")
     reader = RrdReader(tmp_path / "a.rrd")
     chunks = reader.stream(store=reader.blueprints()[0]).to_chunks()
     batches = [b for b in (chunk.to_record_batch() for chunk in chunks) if "ScalarAxis:range" in b.schema.names]
-    (ends,) = [flat(batch, "ScalarAxis:range") for batch in batches]
-    assert ends.tolist() == pytest.approx([-5.5, 5.5])  # -5 to 5 and a twentieth of it beyond
+    ends = sorted(flat(batch, "ScalarAxis:range").tolist() for batch in batches)
+    # a twentieth beyond: the band of rr from -5 to 1, that of fl from -1 to 5 with its truth up to 9
+    assert ends == [pytest.approx([-5.3, 1.3]), pytest.approx([-1.5, 9.5])]
+    asked, _ = layout(tmp_path / "a.rrd")
+    assert {"/truth/fl/radius_change", "/est/m/fl/radius_change/band", "/est/m/rr/radius_change/band"} == asked
 
 
 def test_a_log_without_truth_shows_what_its_sensors_say(tmp_path: Path) -> None:
@@ -265,7 +269,7 @@ def test_every_wheel_has_its_colour_and_every_line_its_unit(recorded: tuple[Path
         if "SeriesLines:names" in batch.schema.names:
             colours = batch.column("SeriesLines:colors").flatten().to_pylist()
             styles[chunk.entity_path] = (batch.column("SeriesLines:names").flatten().to_pylist(), colours)
-    assert styles["/truth/fl/pressure"][0] == ["fl [Pa]"]
+    assert styles["/truth/fl/pressure"][0] == ["fl truth [Pa]"]
     assert styles["/est/wheel_radius/rr/pressure"][0] == ["rr wheel_radius [Pa]"]
     assert styles["/imu/accel"][0] == ["x [m/s^2]", "y [m/s^2]", "z [m/s^2]"]
     for wheel in WHEELS:

@@ -21,8 +21,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimators.drive_log import WHEELS, Signal
-from testbed.campaign.truths import Course, CourseTaker, truth_of
 from testbed.campaign.variants import variant_of
+from testbed.course import Course, CourseTaker, truth_of
 from testbed.scenario import Scenario
 from testbed.session import Session
 from testbed.summary import Summary

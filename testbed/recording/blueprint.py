@@ -1,8 +1,9 @@
 """The layout of a drive's recording: everything at a glance, nothing to click.
 
 Left: the car on its road, the camera tied to the chassis; below it alarms and modes as lanes and as a log. Right: plots
-of truth, estimate and band over the last twelve seconds, their time axes linked. Only signals that the recording holds
-are asked for, and a plot without any is left out. Everything is in raw SI; each plot's title has its unit.
+over the last twelve seconds, their time axes linked: first one a wheel with the truth of what is estimated, the
+estimate and its band, then the physics. Only signals that the recording holds are asked for, and a plot without any is
+left out. Everything is in raw SI; each plot's title has its unit.
 """
 
 from __future__ import annotations
@@ -21,22 +22,23 @@ _BEFORE, _AFTER = 8.0, 4.0  # [s] of the plots' window on either side of the cur
 _EYE = (-7.5, -5.5, 3.0)  # [m] from the chassis: behind, right, above; the viewer keeps it so while it follows
 _TARGET = (0.0, 0.0, 0.0)  # [m] from the chassis
 _SKY = (44, 52, 64)
+Ranges = Mapping[str, tuple[float, float]]  # lowest and highest, by name
 _WHEEL = f"(?:{'|'.join(WHEELS)})"
 
 
 @dataclass(frozen=True)
 class Plot:
-    """A plot: title, unit, the names it takes (a pattern), and the estimated quantity that joins ("" = none)."""
+    """A plot: title, unit, and the names it takes (a pattern)."""
 
     title: str
     unit: str
     names: str
-    estimate: str = ""
 
 
+QUANTITIES = ("pressure", "pressure_change", "stiffness", "radius_change")  # of a wheel, the first that is estimated
 PLOTS = (
-    Plot("Tyre pressure", "Pa", rf"truth/{_WHEEL}/pressure", "pressure"),
-    Plot("Rolling radius", "m", rf"truth/{_WHEEL}/rolling_radius", "(?:.*_)?radius"),
+    Plot("Tyre pressure", "Pa", rf"truth/{_WHEEL}/pressure"),
+    Plot("Rolling radius", "m", rf"truth/{_WHEEL}/rolling_radius"),
     Plot("Wheel load", "N", rf"truth/{_WHEEL}/load"),
     Plot("Hub acceleration", "m/s²", rf"hub/{_WHEEL}/accel_z"),
     Plot("Speed", "m/s", r"truth/chassis/velocity"),
@@ -49,17 +51,18 @@ _LEGEND_LINES = 4  # a longer legend would hide the plot; every line still has i
 
 def drive_layout(
     kinds: Mapping[str, tuple[str, str]],
-    bands: Mapping[str, tuple[float, float]],
+    bands: Ranges,
+    reach: Ranges,
     drawn: Iterable[str],
     starts: Mapping[str, tuple[float, float, float]],
 ) -> rrb.Blueprint:
     """The blueprint for a recording.
 
-    kinds: name -> (unit, kind) of every signal. bands: estimates that have one -> where it
-    usually lies, low to high. drawn: entities with a shape.
+    kinds: name -> (unit, kind) of every signal. bands: estimates that have one -> where it usually lies, low to high.
+    reach: truths -> lowest and highest value. drawn: entities with a shape.
     starts: where each moving body is at first [m]; the camera follows the one named chassis, or else the first.
     """
-    plots = _plots(kinds, bands)
+    plots = _plots(kinds, bands, reach)
     left = _left(kinds, set(drawn), starts)
     parts = [part for part in (left, _right(plots)) if part is not None]
     return rrb.Blueprint(
@@ -84,40 +87,60 @@ def _right(plots: list[rrb.TimeSeriesView]) -> rrb.Container | None:
     return rrb.Tabs(*tabs, active_tab=0) if len(tabs) > 1 else tabs[0] if tabs else None
 
 
-def _plots(kinds: Mapping[str, tuple[str, str]], bands: Mapping[str, tuple[float, float]]) -> list[rrb.TimeSeriesView]:
+def _plots(kinds: Mapping[str, tuple[str, str]], bands: Ranges, reach: Ranges) -> list[rrb.TimeSeriesView]:
+    """The wheels' plots, the physics, then every other estimate."""
     numbers = {name: unit for name, (unit, kind) in kinds.items() if kind != "text"}
     estimated = [name for name in numbers if name.startswith("est/") and not name.endswith("/std")]
-    plots, taken = [], set()
+    first, taken = _of_wheels(numbers, estimated, bands, reach)
+    plots = []
     for plot in PLOTS:
         names = [n for n in numbers if re.fullmatch(plot.names, n)]
         if not names and plot.title in _MEASURED:
             names = [n for n in numbers if re.fullmatch(_MEASURED[plot.title], n)]
-        estimates = [
-            n for n in estimated if numbers[n] == plot.unit and re.fullmatch(plot.estimate, n.rsplit("/", 1)[-1])
-        ]
-        taken |= set(estimates)
-        said = f"{plot.title} [{plot.unit}]" + (": bold true, band estimate ±σ" if names and estimates else "")
-        if names or estimates:
-            plots.append(_plot(said, names + estimates, bands))
+        if names:
+            plots.append(_plot(f"{plot.title} [{plot.unit}]", names, bands, reach))
     rest: dict[tuple[str, str], list[str]] = {}  # the same quantity of all wheels together
     for name in estimated:
         if name not in taken:
-            quantity = name.rsplit("/", 1)[-1] if wheel_of(name) else " ".join(name.split("/")[1:])
+            quantity = _quantity(name) if wheel_of(name) else " ".join(name.split("/")[1:])
             rest.setdefault((quantity.replace("_", " "), numbers[name]), []).append(name)
-    of_wheels = {key: names for key, names in rest.items() if len(names) > 1}
-    others = {key: names for key, names in rest.items() if len(names) == 1}
-    extra = [_plot(f"Estimated {q} [{unit or '-'}] ±σ", names, bands) for (q, unit), names in of_wheels.items()]
-    more = [_plot(f"{q} [{unit or '-'}] ±σ", names, bands) for (q, unit), names in others.items()]
-    return plots[:2] + extra[:2] + plots[2:] + extra[2:] + more
+    more = [_plot(f"Estimated {q} [{unit or '-'}] ±σ", names, bands, reach) for (q, unit), names in rest.items()]
+    return first + plots + more
 
 
-def _plot(title: str, names: Sequence[str], bands: Mapping[str, tuple[float, float]]) -> rrb.TimeSeriesView:
+def _quantity(name: str) -> str:
+    return name.rsplit("/", 1)[-1]
+
+
+def _of_wheels(
+    numbers: Mapping[str, str], estimated: Sequence[str], bands: Ranges, reach: Ranges
+) -> tuple[list[rrb.TimeSeriesView], set[str]]:
+    """A plot a wheel of the first of QUANTITIES that is estimated: truth, estimates of every method and their bands;
+    and the estimates shown."""
+    for quantity in QUANTITIES:
+        names = [n for n in estimated if _quantity(n) == quantity and wheel_of(n)]
+        if names:
+            break
+    else:
+        return [], set()
+    plots = []
+    for wheel in WHEELS:
+        said = [n for n in names if wheel_of(n) == wheel]
+        truth = [n for n in numbers if n == f"truth/{wheel}/{quantity}"]
+        title = f"{wheel} {quantity.replace('_', ' ')} [{numbers[names[0]] or '-'}]"
+        if said:
+            plots.append(_plot(f"{title}: {'truth and ' if truth else ''}estimate ±σ", truth + said, bands, reach))
+    return plots, set(names)
+
+
+def _plot(title: str, names: Sequence[str], bands: Ranges, reach: Ranges) -> rrb.TimeSeriesView:
     contents = [entity_path(f"{name}/band" if name in bands else name) for name in names]
     start = rrb.TimeRangeBoundary.cursor_relative(seconds=-_BEFORE)
     end = rrb.TimeRangeBoundary.cursor_relative(seconds=_AFTER)
     axis = None
-    if all(name in bands for name in names):  # the viewer fits the lines only, and would cut the bands off
-        low, high = (pick(bands[name][i] for name in names) for i, pick in enumerate((min, max)))
+    if any(name in bands for name in names):  # the viewer fits the lines only, and would cut the bands off
+        usual = [both[name] for name in names for both in (bands, reach) if name in both]
+        low, high = min(low for low, _ in usual), max(high for _, high in usual)
         axis = rrb.ScalarAxis(range=(low - 0.05 * (high - low), high + 0.05 * (high - low))) if high > low else None
     return rrb.TimeSeriesView(
         origin="/",

@@ -26,7 +26,7 @@ from estimators.readers.rrd_chunks import TIMELINE
 _SOFTWARE_DRIVERS = Path("/usr/share/vulkan/icd.d")
 _CURE = "needs a Vulkan driver; on Debian: apt-get install mesa-vulkan-drivers libvulkan1"
 _START = 20.0  # [s] for the viewer to come up
-_SETTLE = 1.5  # [s] for it to fetch and draw what the time asks for
+_SETTLE = 3.0  # [s] for it to fetch and draw what the time asks for
 
 
 def screenshot(recording: Path, picture: Path, seconds: float | None = None, size: str = "1600x900") -> None:

@@ -46,11 +46,16 @@ def _pale(colour: tuple[int, int, int]) -> tuple[int, int, int]:
 
 
 def labels(name: str, unit: str, width: int) -> list[str]:
-    """Legend entries: the wheel or axis first, an estimate's method, the unit: `fl [Pa]`, `fl wheel_radius [m]`."""
+    """Legend entries: the wheel or axis first, an estimate's method (or truth), the unit: `fl truth [Pa]`,
+    `fl wheel_radius [m]`."""
     wheel = wheel_of(name)
     parts = [part for part in name.split("/") if part != wheel]
     what = parts[-1]
-    said = " ".join(parts[1:2]) if name.startswith("est/") else "" if wheel or width > 1 else what
+    said = "" if wheel or width > 1 else what
+    if name.startswith("est/"):
+        said = " ".join(parts[1:2])
+    elif wheel and name.startswith(HIDDEN):
+        said = "truth"
     ending = " ".join(filter(None, (said, f"[{unit}]" if unit else "")))
     if width == 1:
         return [" ".join(filter(None, (wheel, ending))) or what]

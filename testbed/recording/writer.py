@@ -21,6 +21,7 @@ import rerun as rr
 from numpy.typing import ArrayLike, NDArray
 from rerun.chunk import Chunk
 
+from estimators.drive_log import HIDDEN
 from estimators.readers.rrd_chunks import (
     archetype_chunk,
     column,
@@ -57,6 +58,7 @@ class RecordingWriter:
         self._estimates: dict[
             str, tuple[NDArray[np.int64], NDArray[Any]]
         ] = {}  # est/... chunks that await their partner
+        self._reach: dict[str, tuple[float, float]] = {}  # of each truth: lowest, highest
         self._drawn: set[str] = set()  # entities that show something in 3-D
         self._starts: dict[str, tuple[float, float, float]] = {}  # bodies that move, and where they are at first
         self._bands: dict[str, list[tuple[float, float]]] = {}  # estimate -> low and high end of each chunk's band
@@ -90,6 +92,9 @@ class RecordingWriter:
             self._file.send(partial(signal_chunk, name, ticks, values))
             if name.startswith("est/"):
                 self._pair(name, ticks, values)
+            elif name.startswith(HIDDEN) and values.dtype != object:
+                low, high = self._reach.get(name, (np.inf, -np.inf))
+                self._reach[name] = (min(low, float(values.min())), max(high, float(values.max())))
 
     def text(self, name: str, time: ArrayLike, strings: Sequence[str]) -> None:
         """Events such as alarms: time [s] (n,), n strings. An empty string ends the state that the last one began."""
@@ -119,8 +124,8 @@ class RecordingWriter:
     def close(self) -> None:
         """Finish the file with its layout under its final name. Raises RecordingError if that fails."""
         kinds = {name: (unit, kind) for name, (unit, _, kind) in self._kinds.items()}
-        bands = {name: tuple(np.median(ends, axis=0).tolist()) for name, ends in self._bands.items() if ends}
-        self._file.close(drive_layout(kinds, bands, self._drawn, self._starts))
+        bands = {name: _usual(np.array(ends)) for name, ends in self._bands.items() if ends}
+        self._file.close(drive_layout(kinds, bands, self._reach, self._drawn, self._starts))
 
     def abort(self) -> None:
         """Finish without the final name: what was recorded stays in `part`."""
@@ -162,6 +167,12 @@ class RecordingWriter:
             self._bands[base].append((float(low[sure].min()), float(high[sure].max())))
         kept = slice(None, None, -(-len(ticks) // _BAND_ROWS))
         self._file.send(partial(_band_chunk, entity_path(base + BAND), ticks[kept], mean[kept], deviation[kept] ** 2))
+
+
+def _usual(ends: NDArray[np.float64]) -> tuple[float, float]:
+    """Where a band is worth looking: its median and its last place together; ends: low, high by chunk, shape (n, 2)."""
+    shown = np.stack([np.median(ends, axis=0), ends[-1]])
+    return float(shown[:, 0].min()), float(shown[:, 1].max())
 
 
 def _width(kind: str) -> int:

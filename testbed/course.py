@@ -1,4 +1,4 @@
-"""What an estimate is of: the true course of a drive at one value a second, and the truth that belongs to a quantity.
+"""What an estimate is of: the true course of a drive at one value a stretch, and the truth that belongs to a quantity.
 
 Quantities by the last part of their name, as the estimators name them:
 
