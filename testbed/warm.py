@@ -6,13 +6,16 @@ roughness index. About half a minute when something has changed, two seconds whe
 
 from __future__ import annotations
 
+import hashlib
 import sys
 import tempfile
 import time
 from pathlib import Path
 
+import numba
 import numpy as np
 
+import estimators.compiled  # noqa: F401  names the cache folder
 from testbed.drive import drive
 from testbed.roads.iri import iri
 from testbed.roads.road import ISO_SPACING
@@ -29,6 +32,16 @@ def warm() -> None:
         drive(Scenario(road="A:20,D:300", duration=DURATION), Path(folder) / "warm.rrd")
         drive(Scenario(road=str(profile), duration=DURATION), None, [])
     iri(np.zeros(round(30.0 / ISO_SPACING)), ISO_SPACING)
+
+
+def warm_once() -> None:
+    """The same, unless it was done with these sources: before several processes begin, so that one of them compiles
+    and not each."""
+    place = hashlib.sha256(str(Path(__file__).resolve()).encode()).hexdigest()[:8]  # kernels are cached by their file's
+    done = Path(numba.config.CACHE_DIR) / f"warm-{place}"
+    if numba.config.CACHE_DIR and not done.is_file():
+        warm()
+        done.touch()
 
 
 def main() -> int:

@@ -40,6 +40,8 @@ def check(name: str, value: Mapping[str, Any]) -> None:
     if not isinstance(numbers, list) or not numbers:
         raise ValueError(f"{name}: {kind} = {numbers!r}, want a list of values")
     if kind in (SWEEP, "choice"):
+        if len({_kind(value) for value in numbers}) > 1:
+            raise ValueError(f"{name}: {kind} = {numbers!r}, want values of one kind: numbers, texts, tables or lists")
         return
     fits = len(numbers) == 2 and all(
         isinstance(v, int | float) and not isinstance(v, bool) and math.isfinite(v) for v in numbers
@@ -55,14 +57,18 @@ def check(name: str, value: Mapping[str, Any]) -> None:
         raise ValueError(f"{name}: log_uniform = {numbers!r}, want limits above 0")
 
 
+def _kind(value: Any) -> type:
+    return float if isinstance(value, int | float) and not isinstance(value, bool) else type(value)
+
+
 def leaves(table: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
-    """Dotted name and value of each distribution in nested tables."""
+    """Dotted name and value of each distribution, and of all else, in nested tables."""
     for key, value in table.items():
         name = f"{prefix}{key}"
-        if is_distribution(value):
-            yield name, value
-        elif isinstance(value, Mapping):
+        if isinstance(value, Mapping) and not is_distribution(value):
             yield from leaves(value, f"{name}.")
+        else:
+            yield name, value
 
 
 def draw(seed: int, number: int, name: str, value: Mapping[str, Any]) -> Any:

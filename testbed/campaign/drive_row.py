@@ -3,9 +3,10 @@
 Columns beside those of the engine:
 
     number, VARIABLE                     as in the campaign file
-    scenario                             JSON, replays the drive: testbed.drive --scenario FILE
-    distance_m, WHEEL/COLUMN             means over the drive, as `testbed.drive --json` gives them
-    time_s                               [s], (n,): the ends of about SAMPLES equal parts of the drive
+    scenario                             JSON, as `testbed.drive --scenario FILE` reads it
+    duration_s, distance_m, WHEEL/COLUMN of the drive; the last are means over it, as `testbed.drive --json` gives them
+    nominal_pressure_kpa                 of the tyre that drives
+    time_s                               [s], (n,): the ends of at most SAMPLES equal parts of the drive
     pressure_kpa/WHEEL                   true pressure at these times, (n,)
     METHOD/QUANTITY/{value,std,truth}    of each quantity that has a truth, in its SI unit, (n,); nan before it is given
     alarms                               JSON: [[time_s, method, [wheel, ...]], ...]
@@ -15,6 +16,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -69,11 +71,16 @@ def _calibrate(task: Mapping[str, Any]) -> tuple[dict[str, Any] | None, NDArray[
 
 def drive_row(task: dict[str, Any]) -> dict[str, Any]:
     """The row of a task of `testbed.campaign.plan`. ValueError where the drive cannot be driven to its end."""
+    return recorded_drive(task, None)
+
+
+def recorded_drive(task: Mapping[str, Any], recording: Path | None) -> dict[str, Any]:
+    """The same, and the drive's recording (not that of its calibration) where a path is given."""
     calibrations, radii = _calibrate(task)
     scenario = Scenario.from_notes(task["scenario"])
     variant = variant_of(scenario, task["vehicle"], task["tyre"], task["believed"], calibrations)
     taker, said = CourseTaker(), _Said()
-    with Session(scenario, None, task["estimators"], variant) as session:
+    with Session(scenario, recording, task["estimators"], variant) as session:
         simulation = session.simulation
         summary = Summary(simulation.element.law)
         for stretch, words in session.run():
@@ -83,20 +90,21 @@ def drive_row(task: dict[str, Any]) -> dict[str, Any]:
     alarms = [[a.time, name, list(a.wheels)] for name, given in session.bank.alarms.items() for a in given]
     figures = summary.as_json()
     row: dict[str, Any] = {"number": task["number"], **task["variables"], "scenario": json.dumps(task["scenario"])}
-    row["distance_m"] = figures["distance_m"]
+    row |= {"duration_s": scenario.duration, "distance_m": figures["distance_m"]}
     row |= {f"{wheel}/{name}": value for wheel, entry in figures["wheels"].items() for name, value in entry.items()}
+    row["nominal_pressure_kpa"] = 1e-3 * simulation.tyre.p0
     reference = np.full(4, simulation.nominal_radius) if radii is None else radii
-    row |= _series(said, taker.course(), simulation.tyre.p0, reference)
+    row |= _series(said, taker.course(), scenario.step, simulation.tyre.p0, reference)
     return row | {"alarms": json.dumps(sorted(alarms))}
 
 
 def _series(
-    said: _Said, course: Course, nominal_pressure: float, reference: NDArray[np.float64]
+    said: _Said, course: Course, step: float, nominal_pressure: float, reference: NDArray[np.float64]
 ) -> dict[str, list[float]]:
-    """The columns over time."""
-    step = -(-len(course.time) // SAMPLES)
-    picked = np.arange(step - 1, len(course.time), step) if len(course.time) >= step else np.array([], int)
-    times = course.time[picked]
+    """The columns over time. step: of the drive's clock [s]; a stretch ends so much after its last row."""
+    every = -(-len(course.time) // SAMPLES)
+    picked = np.arange(every - 1, len(course.time), every)
+    times = course.time[picked] + step
     columns = {"time_s": times.tolist()}
     columns |= {f"pressure_kpa/{w}": (1e-3 * course.pressure[picked, i]).tolist() for i, w in enumerate(WHEELS)}
     for name in said.quantities:

@@ -9,22 +9,28 @@ that is kept carries beside them
     task_key       digest of code, work and task, the part's name
     error          None, or what the work raised, in one line
     wall_s         time that the work took [s]; no two runs agree in it, so it is not compared
+
+A worker that dies takes its task back to the queue. When workers die without anything finished, tasks run one at a time
+until it is known which one kills them; that one becomes a row too, but not a part, so a second call tries it again.
 """
 
 from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
+from contextlib import closing
 from functools import partial
 from pathlib import Path
 from typing import Any
 
-from joblib.externals.loky.process_executor import BrokenProcessPool
-
+from testbed.campaign.code_version import code_version
 from testbed.campaign.parts import Parts, Row, task_key
-from testbed.campaign.pool import Pool, Work, results
+from testbed.campaign.pool import Pool, Work, WorkerLost, results
 
-RESTARTS = 3  # times in a row that a pool may lose a worker without a finished task before the campaign gives up
+RESTARTS = (
+    3  # times that a task may lose its worker while it runs alone; and tasks lost so before the campaign gives up
+)
+CODE = "code_version"  # of the worker, on its way here
 
 
 class CampaignError(RuntimeError):
@@ -38,7 +44,7 @@ def attempt(work: Work, task: dict[str, Any]) -> Row:
         row, error = work(task), None
     except Exception as failure:  # whatever goes wrong in one drive must not end the others
         row, error = {}, " ".join(f"{type(failure).__name__}: {failure}".split())
-    return row | {"error": error, "wall_s": time.perf_counter() - start}
+    return row | {"error": error, "wall_s": time.perf_counter() - start, CODE: code_version()}
 
 
 def run_tasks(
@@ -53,29 +59,42 @@ def run_tasks(
 
     finished: told (tasks done, different tasks in all) at the start and after each; warn: told a line about a damaged
     part.
-    Raises ValueError where the pool cannot be had, OSError when the disk fails, CampaignError when workers only die.
+    Raises ValueError where the pool cannot be had, OSError when the disk fails, CampaignError when workers only die or
+    run other code than this process.
     """
     keys = [task_key(f"{work.__module__}.{work.__qualname__}", task) for task in tasks]
+    by_key = dict(zip(keys, tasks, strict=True))
     parts = Parts(folder)
-    rows, damaged = parts.read(keys)
+    rows, damaged = parts.read(by_key)
     for line in damaged:
         warn(line)
-    wanted = len(set(keys))
-    finished(len(rows), wanted)
-    barren = 0
-    while waiting := [i for i, key in enumerate(keys) if key not in rows]:
+    finished(len(rows), len(by_key))
+    barren = lost = 0  # losses in a row without a finished task; tasks given up
+    while waiting := [key for key in by_key if key not in rows]:
+        batch = waiting[:1] if barren else waiting
         before = len(rows)
         try:
-            for number, row in results(pool, partial(attempt, work), [tasks[i] for i in waiting]):
-                key = keys[waiting[number]]
-                rows[key] = {"task_key": key} | row
-                parts.write(key, rows[key])
-                finished(len(rows), wanted)
-        except BrokenProcessPool as lost:
+            with closing(results(pool, partial(attempt, work), [by_key[key] for key in batch])) as stream:
+                for number, row in stream:
+                    _same_code(row.pop(CODE))
+                    key = batch[number]
+                    rows[key] = {"task_key": key} | row
+                    parts.write(key, rows[key])
+                    finished(len(rows), len(by_key))
+            barren = 0
+        except WorkerLost as loss:
             barren = 0 if len(rows) > before else barren + 1
-            if barren >= RESTARTS:
-                raise CampaignError(
-                    f"workers die without finishing a drive ({str(lost).splitlines()[0]}); "
-                    f"{len(rows)} finished drives are kept in {parts.folder}"
-                ) from None
+            if barren <= RESTARTS:
+                continue
+            lost += 1
+            if lost >= RESTARTS and len(rows) < lost:
+                raise CampaignError(f"workers only die ({loss})") from None
+            rows[batch[0]] = {"task_key": batch[0], "error": f"WorkerLost: {loss}", "wall_s": None}
+            finished(len(rows), len(by_key))
+            barren = 0
     return [rows[key] for key in keys]
+
+
+def _same_code(theirs: str) -> None:
+    if theirs != code_version():
+        raise CampaignError("a worker runs other code than this process; bring both to one version")

@@ -10,6 +10,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from estimators.drive_log import WHEELS
+from testbed.campaign.distributions import KINDS
 from testbed.scenario import Scenario
 from testbed.tyre.inflation import Leak, PressureSet
 
@@ -20,7 +21,7 @@ Convert = Callable[[str, Any], Any]
 
 def _number(name: str, value: Any) -> float:
     if isinstance(value, bool) or not isinstance(value, int | float):
-        raise ValueError(f"{name} is {value!r}, want a number")
+        raise ValueError(f"{name} is {value!r}, want a number, or a table of one of {', '.join(KINDS)}")
     return float(value)
 
 
@@ -30,6 +31,12 @@ def _scaled(factor: float, offset: float = 0.0) -> Convert:
 
 def _as_is(name: str, value: Any) -> Any:
     return value
+
+
+def _tuple(name: str, value: Any) -> tuple[Any, ...]:
+    if not isinstance(value, list | tuple):
+        raise ValueError(f"{name} is {value!r}, want a list")
+    return tuple(value)
 
 
 def _mapping(name: str, value: Any) -> Mapping[str, Any]:
@@ -84,11 +91,11 @@ FIELDS: dict[str, tuple[str, Convert]] = {
     "set_kpa": ("pressure_sets", _sets),
     "radius_percent": ("radius_factor", _per_wheel(0.01, 1.0)),
     "payload_kg": ("payload", _scaled(1.0)),
-    "payload_position_m": ("payload_position", lambda name, value: tuple(value)),
+    "payload_position_m": ("payload_position", _tuple),
     "friction": ("friction", _as_is),
     "grade_percent": ("grade", _scaled(0.01)),
     "bank_percent": ("bank", _scaled(0.01)),
-    "obstacles": ("obstacles", lambda name, value: tuple(value)),
+    "obstacles": ("obstacles", _tuple),
     "driven": ("driven", _as_is),
     "ambient_c": ("ambient", _scaled(1.0, KELVIN)),
     "sensors": ("sensors", _mapping),

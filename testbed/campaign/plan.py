@@ -2,7 +2,8 @@
 
     question = "..."                 the report's title
     seed = 1                         of the campaign: everything drawn, and each drive's own seed
-    runs = 10                        drives for each point of the grid (one point without a sweep)
+    runs = 10                        drives for each point of the grid (one point without a sweep); a larger number
+                                     keeps the drives that are there and adds to them
     estimators = ["wheel_radius"]    all when absent
     low_percent = 15                 loss of nominal pressure from which on a tyre is low and an alarm is due
     [scenario]                       `testbed.campaign.fields`; a value may be one of `testbed.campaign.distributions`
@@ -18,18 +19,21 @@
 from __future__ import annotations
 
 import dataclasses
+import hashlib
 import itertools
+import json
 import math
 import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from estimators.registry import select
-from testbed.campaign.distributions import SWEEP, check, draw, filled, leaves
+from testbed.campaign.distributions import SWEEP, check, draw, filled, is_distribution, leaves
 from testbed.campaign.fields import scenario_from
 from testbed.campaign.variants import variant_of
 from testbed.manoeuvres.manoeuvre import find_manoeuvre
@@ -41,17 +45,21 @@ from testbed.sensors import sensor_settings
 TABLES = ("scenario", "calibration", "vehicle", "tyre", "believed")
 KEYS = ("question", "seed", "runs", "estimators", "low_percent", *TABLES)
 MOST_DRIVES = 1_000_000
+MOST_ROADS = 100  # that are tried before the first drive
 
 
 @dataclass(frozen=True)
 class Campaign:
-    """question: text; low: loss of pressure that counts, share of nominal [-]; swept, drawn: names of the fields that
-    differ; tasks: JSON values that `testbed.campaign.drive_row` turns into rows, in order."""
+    """question: text; low: loss of pressure that counts, share of nominal [-]; fixed, swept, drawn: by name, the values
+    that all drives have, those that they take in turn, and the distributions; tasks: JSON values that
+    `testbed.campaign.drive_row` turns into rows, in order."""
 
     question: str
     low: float
-    swept: tuple[str, ...]
-    drawn: tuple[str, ...]
+    estimators: tuple[str, ...]
+    fixed: Mapping[str, Any]
+    swept: Mapping[str, list[Any]]
+    drawn: Mapping[str, Mapping[str, Any]]
     tasks: tuple[dict[str, Any], ...]
 
     @property
@@ -82,8 +90,21 @@ def _whole(content: Mapping[str, Any], key: str, default: int, lowest: int) -> i
     return value
 
 
+def _estimators(names: Any) -> tuple[str, ...]:
+    if names is not None and not (isinstance(names, list) and all(isinstance(n, str) for n in names)):
+        raise ValueError(f"estimators is {names!r}, want a list of names")
+    return tuple(select(names))
+
+
+def _share(content: Mapping[str, Any], key: str, default: float) -> float:
+    value = content.get(key, default)
+    if isinstance(value, bool) or not isinstance(value, int | float) or not 0.0 < value < 100.0:
+        raise ValueError(f"{key} is {value!r}, want a number between 0 and 100")
+    return 0.01 * value
+
+
 def campaign(content: Mapping[str, Any]) -> Campaign:
-    """The campaign of a file's content. ValueError or TypeError in one line."""
+    """The campaign of a file's content. ValueError in one line."""
     odd = sorted(set(content) - set(KEYS))
     if odd:
         raise ValueError(f"unknown field {odd[0]!r}; valid: {', '.join(KEYS)}")
@@ -92,15 +113,8 @@ def campaign(content: Mapping[str, Any]) -> Campaign:
         if not isinstance(table, Mapping):
             raise ValueError(f"[{name}] is {table!r}, want a table")
     seed, runs = _whole(content, "seed", 0, 0), _whole(content, "runs", 1, 1)
-    names = content.get("estimators")
-    if names is not None and not (isinstance(names, list) and all(isinstance(n, str) for n in names)):
-        raise ValueError(f"estimators is {names!r}, want a list of names")
-    names = list(select(names))
-    question = str(content.get("question", "How well do the estimators do?"))
-    low = content.get("low_percent", 15.0)
-    if isinstance(low, bool) or not isinstance(low, int | float) or not 0.0 < low < 100.0:
-        raise ValueError(f"low_percent is {low!r}, want a number between 0 and 100")
-    varied = dict(leaves(tables))
+    given = dict(leaves(tables))
+    varied = {name: value for name, value in given.items() if is_distribution(value)}
     for name, value in varied.items():
         check(name, value)
     swept = {name: value[SWEEP] for name, value in varied.items() if SWEEP in value}
@@ -108,22 +122,35 @@ def campaign(content: Mapping[str, Any]) -> Campaign:
     count = runs * math.prod(len(values) for values in swept.values())
     if count > MOST_DRIVES:
         raise ValueError(f"{count} drives, want at most {MOST_DRIVES}")
+    names = _estimators(content.get("estimators"))
     tasks: list[dict[str, Any]] = []
-    for number, point in enumerate(itertools.product(*swept.values(), range(runs))):
-        values = dict(zip(swept, point[:-1], strict=True))
+    for number, (_, *point) in enumerate(itertools.product(range(runs), *swept.values())):
+        values = dict(zip(swept, point, strict=True))
         values |= {name: draw(seed, number, name, value) for name, value in drawn.items()}
         tasks.append(_task(seed, number, filled(tables, values), values, names))
-    if not any(name.startswith(("scenario.road", "calibration.road")) for name in drawn):
-        _check_roads(tasks)
-    return Campaign(question, 0.01 * low, tuple(map(_shown, swept)), tuple(map(_shown, drawn)), tuple(tasks))
+    _check_roads(tasks)
+    return Campaign(
+        question=str(content.get("question", "How well do the estimators do?")),
+        low=_share(content, "low_percent", 15.0),
+        estimators=names,
+        fixed={_shown(name): value for name, value in given.items() if name not in varied},
+        swept={_shown(name): value for name, value in swept.items()},
+        drawn={_shown(name): value for name, value in drawn.items()},
+        tasks=tuple(tasks),
+    )
 
 
 def _shown(name: str) -> str:
     return name.removeprefix("scenario.")
 
 
+def _cell(value: Any) -> Any:
+    """A value as a table can hold it."""
+    return value if isinstance(value, int | float | str) else json.dumps(value)
+
+
 def _task(
-    seed: int, number: int, tables: Mapping[str, Mapping[str, Any]], values: Mapping[str, Any], names: list[str]
+    seed: int, number: int, tables: Mapping[str, Mapping[str, Any]], values: Mapping[str, Any], names: Sequence[str]
 ) -> dict[str, Any]:
     """One drive as JSON values; all but its roads is checked here, before any drive begins."""
     scenario = scenario_from(tables["scenario"], seed=_drive_seed(seed, number))
@@ -134,14 +161,22 @@ def _task(
             parse_friction(drive.friction)
             sensor_settings(drive.sensors)
     variant_of(scenario, tables["vehicle"], tables["tyre"], tables["believed"])
+    named = {d.road for d in (scenario, before) if d} | {scenario.tyre, str(tables["believed"].get("tyre"))}
     return {
         "number": number,
-        "variables": {_shown(name): value for name, value in values.items()},
+        "variables": {_shown(name): _cell(value) for name, value in values.items()},
         "scenario": scenario.as_notes(),
         "calibration": before.as_notes() if before else None,
         **{name: dict(tables[name]) for name in ("vehicle", "tyre", "believed")},
-        "estimators": names,
+        "estimators": list(names),
+        "files": {name: _digest(name) for name in sorted(named) if Path(name).is_file()},
     }
+
+
+@cache
+def _digest(path: str) -> str:
+    """Of a file that decides the drive: an edited road is another road."""
+    return hashlib.sha256(Path(path).read_bytes()).hexdigest()[:16]
 
 
 def _drive_seed(seed: int, number: int, place: int = 0) -> int:
@@ -159,7 +194,8 @@ def calibration_drive(scenario: Scenario, table: Mapping[str, Any], seed: int) -
 
 
 def _check_roads(tasks: Sequence[Mapping[str, Any]]) -> None:
-    """ValueError for a road that cannot be had; each different one once."""
+    """ValueError for a road that cannot be had; each different one once, and of very many (drawn levels) the first."""
     drives = [task[part] for task in tasks for part in ("scenario", "calibration") if task[part]]
-    for road, obstacles in {(drive["road"], tuple(drive["obstacles"])): None for drive in drives}:
+    roads = dict.fromkeys((drive["road"], tuple(drive["obstacles"])) for drive in drives)
+    for road, obstacles in itertools.islice(roads, MOST_ROADS):
         make_road(road, 0, 1.0, 1.0, obstacles=obstacles)

@@ -1,25 +1,32 @@
 """Where the drives of a campaign run: processes of this machine, or the workers of a Dask or Ray cluster, by joblib.
 
 The numbers do not depend on it: a task is plain data, its work a module's function, and everything random in it comes
-from the task's own seed.
+from the task's own seed. A process computes with one thread, so as many processes as cores fill the machine.
 """
 
 from __future__ import annotations
 
-import os
+import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from importlib.util import find_spec
 from typing import Any
 
 import joblib
+from joblib.externals.loky.process_executor import BrokenProcessPool
 
 BACKENDS = ("processes", "dask", "ray")
 MODULES = {"dask": "distributed", "ray": "ray"}
 TIMEOUT = 10.0  # s to reach a cluster's scheduler
+BATCH = 4  # tasks a worker that are given together where rows cannot be had one by one
 
 Work = Callable[[dict[str, Any]], dict[str, Any]]
+Numbered = tuple[int, dict[str, Any]]
+
+
+class WorkerLost(RuntimeError):
+    """A worker died in its task; says how, in one line."""
 
 
 @dataclass(frozen=True)
@@ -28,7 +35,7 @@ class Pool:
     ValueError names what is not valid."""
 
     backend: str = "processes"
-    jobs: int = os.cpu_count() or 1
+    jobs: int = field(default_factory=joblib.cpu_count)
     address: str | None = None
 
     def __post_init__(self) -> None:
@@ -46,55 +53,86 @@ class Pool:
             raise ValueError(f"backend {self.backend} is not installed; pip install 'vehicle-testbed[{self.backend}]'")
 
 
-def _processes(pool: Pool) -> AbstractContextManager[Any]:
-    return joblib.parallel_config(backend="loky", n_jobs=pool.jobs, inner_max_num_threads=1)
+Stream = Callable[[Sequence[Any]], Iterator[Numbered]]
+
+
+def _one_by_one(calls: Sequence[Any]) -> Iterator[Numbered]:
+    yield from joblib.Parallel(return_as="generator_unordered", pre_dispatch="all", batch_size=1)(calls)
 
 
 @contextmanager
-def _dask(pool: Pool) -> Iterator[None]:
-    from distributed import Client
+def _processes(pool: Pool) -> Iterator[Stream]:
+    with joblib.parallel_config(backend="loky", n_jobs=pool.jobs, inner_max_num_threads=1):
+        try:
+            yield _one_by_one
+        except BrokenProcessPool as lost:
+            raise WorkerLost(_first_line(lost)) from None
+
+
+@contextmanager
+def _dask(pool: Pool) -> Iterator[Stream]:
+    from distributed import Client, KilledWorker
 
     try:
         client = Client(pool.address, timeout=TIMEOUT, set_as_default=False)
     except (OSError, ValueError) as error:
-        raise ValueError(f"no Dask scheduler at {pool.address}: {error}") from None
+        raise ValueError(f"no Dask scheduler at {pool.address}: {_first_line(error)}") from None
     try:
         if not client.scheduler_info()["workers"]:
             raise ValueError(f"the Dask scheduler at {pool.address} has no workers")
         with joblib.parallel_config(backend="dask", client=client, n_jobs=-1):
-            yield
+            yield _one_by_one
+    except KilledWorker as lost:
+        raise WorkerLost(_first_line(lost)) from None
     finally:
         client.close()
 
 
 @contextmanager
-def _ray(pool: Pool) -> Iterator[None]:
+def _ray(pool: Pool) -> Iterator[Stream]:
     import ray
+    from ray.exceptions import RayActorError, WorkerCrashedError
     from ray.util.joblib import register_ray
 
     try:
-        ray.init(address=pool.address, logging_level="ERROR")
+        ray.init(address=pool.address, logging_level="ERROR", log_to_driver=False)
     except (ConnectionError, ValueError, RuntimeError) as error:
-        raise ValueError(f"no Ray cluster at {pool.address}: {str(error).splitlines()[0]}") from None
+        raise ValueError(f"no Ray cluster at {pool.address}: {_first_line(error)}") from None
+
+    def in_batches(calls: Sequence[Any]) -> Iterator[Numbered]:
+        """joblib has no generator for Ray: a batch's rows come when all of them are there."""
+        size = BATCH * joblib.effective_n_jobs(-1)
+        for start in range(0, len(calls), size):
+            yield from joblib.Parallel(batch_size=1)(calls[start : start + size])
+
     try:
         register_ray()
         with joblib.parallel_config(backend="ray", n_jobs=-1):
-            yield
+            yield in_batches
+    except (RayActorError, WorkerCrashedError) as lost:
+        raise WorkerLost(_first_line(lost)) from None
     finally:
         ray.shutdown()
 
 
-_OPEN: Mapping[str, Callable[[Pool], AbstractContextManager[Any]]] = {
+_OPEN: Mapping[str, Callable[[Pool], AbstractContextManager[Stream]]] = {
     "processes": _processes, "dask": _dask, "ray": _ray,
 }  # fmt: skip
 
 
-def results(pool: Pool, work: Work, tasks: Sequence[dict[str, Any]]) -> Iterator[tuple[int, dict[str, Any]]]:
-    """(number of the task, its row) as they are finished, in no order. ValueError where a cluster cannot be reached."""
-    with _OPEN[pool.backend](pool):
-        parallel = joblib.Parallel(return_as="generator_unordered", pre_dispatch="all", batch_size=1)
-        yield from parallel(joblib.delayed(_numbered)(work, i, task) for i, task in enumerate(tasks))
+def _first_line(error: Exception) -> str:
+    return next(iter(str(error).splitlines()), type(error).__name__)
 
 
-def _numbered(work: Work, number: int, task: dict[str, Any]) -> tuple[int, dict[str, Any]]:
+def results(pool: Pool, work: Work, tasks: Sequence[dict[str, Any]]) -> Iterator[Numbered]:
+    """(number of the task, its row) as they are finished, in no order; closing it ends what still runs. ValueError
+    where a cluster cannot be reached, WorkerLost when a worker dies."""
+    calls = [joblib.delayed(_numbered)(work, i, task) for i, task in enumerate(tasks)]
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", module="joblib")  # it warns of an end before the last row, and of ...
+        with _OPEN[pool.backend](pool) as stream:
+            yield from stream(calls)
+
+
+def _numbered(work: Work, number: int, task: dict[str, Any]) -> Numbered:
     return number, work(task)

@@ -44,10 +44,11 @@ def scaled(part: Part, factors: Mapping[str, Any], what: str) -> Part:
 
 
 def _scaled(part: Any, path: list[str], factor: float, what: str) -> Any:
+    values = {f.name: getattr(part, f.name) for f in dataclasses.fields(part)}
     numbers = {
-        f.name: getattr(part, f.name)
-        for f in dataclasses.fields(part)
-        if isinstance(getattr(part, f.name), int | float) or dataclasses.is_dataclass(getattr(part, f.name))
+        name: value
+        for name, value in values.items()
+        if dataclasses.is_dataclass(value) or (isinstance(value, int | float) and not isinstance(value, bool))
     }
     name, *rest = path
     if name not in numbers or dataclasses.is_dataclass(numbers[name]) != bool(rest):
