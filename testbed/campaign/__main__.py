@@ -59,9 +59,10 @@ def _dry_run(console: Console, campaign: Campaign, options: Namespace) -> None:
 
 
 def _run(console: Console, campaign: Campaign, options: Namespace, kept: _Kept) -> None:
-    from testbed.campaign.judge import judge, print_scores, worst_drives
+    from testbed.campaign.judge import judge
     from testbed.campaign.replay import record_worst
     from testbed.campaign.report import write_report
+    from testbed.campaign.report_console import print_scores
     from testbed.campaign.run import run_campaign
 
     folder, pool = folder_of(options), pool_of(options)
@@ -75,7 +76,7 @@ def _run(console: Console, campaign: Campaign, options: Namespace, kept: _Kept) 
 
         rows = run_campaign(campaign, folder, pool, finished, _complain)
     scores = judge(campaign, rows)
-    record_worst(campaign, rows, worst_drives(campaign, rows), folder)
+    record_worst(campaign, rows, scores["worst"], folder)
     for path in [folder / "scores.json", *([options.json] if options.json else [])]:
         write_json(path, scores)
     report = write_report(campaign, rows, scores, options.file, folder)

@@ -23,7 +23,7 @@ def is_plain(task: Mapping[str, Any]) -> bool:
 
 
 def replay(campaign: Campaign, number: int, folder: Path) -> tuple[Path, Row]:
-    """The recording `drive-NUMBER.rrd` in the folder, and the drive's row. ValueError for a number that there is not."""
+    """The recording `drive-NUMBER.rrd` in the folder, and the drive's row. ValueError for a number out of range."""
     if not 0 <= number < len(campaign.tasks):
         raise ValueError(f"no drive {number}; valid: 0 to {len(campaign.tasks) - 1}")
     folder.mkdir(parents=True, exist_ok=True)

@@ -19,8 +19,8 @@ TABLE = "drives.parquet"
 def run_campaign(
     campaign: Campaign, folder: Path, pool: Pool, finished: Callable[[int, int], None], warn: Callable[[str], None]
 ) -> list[Row]:
-    """Rows of `testbed.campaign.drive_row`; one that failed has its number, variables and error. Errors and callbacks as
-    of `engine.run_tasks`."""
+    """Rows of `testbed.campaign.drive_row`; one that failed has its number, variables and error. Errors and callbacks
+    as of `engine.run_tasks`."""
     rows = run_tasks(drive_row, campaign.tasks, folder, pool, finished, warn)
     rows = [_identity(task) | row for task, row in zip(campaign.tasks, rows, strict=True)]
     write_table(folder / TABLE, rows)
