@@ -18,7 +18,6 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
-from contextlib import closing
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -74,7 +73,7 @@ def run_tasks(
         batch = waiting[:1] if barren else waiting
         before = len(rows)
         try:
-            with closing(results(pool, partial(attempt, work), [by_key[key] for key in batch])) as stream:
+            with results(pool, partial(attempt, work), [by_key[key] for key in batch]) as stream:
                 for number, row in stream:
                     _same_code(row.pop(CODE))
                     key = batch[number]

@@ -20,14 +20,13 @@ from estimators.scores.false_alarms import false_alarms
 from estimators.scores.interval import proportion_interval
 from estimators.scores.roc import area, operating_point, roc
 from estimators.scores.survival import event_curve
-from estimators.scores.tail import LEAST_PEAKS, block_maxima, cluster_peaks, fit_tail
+from estimators.scores.tail import block_maxima, fit_tail
 from testbed.campaign.judge_columns import QUANTITIES, Drives, Name
 from testbed.campaign.judge_estimates import finite
 
 Figures = dict[str, Any]
 EPISODE = 60.0  # s
 BLOCK = 10.0  # s of which the largest loss counts, for its tail
-SHARE = 0.1  # of blocks above the threshold from which on the tail is fitted
 DESIGNED = 0.01  # false alarms an hour: one in 100 h
 FALSE_SHARE = 0.05  # of sound drives, at which the detected share is told
 
@@ -72,8 +71,7 @@ def _detection(drives: Drives, alarms: list[Any], lows: list[Any], onset: NDArra
             "time_s": curve.time.tolist(),
             "share": finite(curve.share.value),
             "share_ci95": [finite(curve.share.low), finite(curve.share.high)],
-            "before_ci95": [curve.before.low, curve.before.high],
-            "watched_s": float(np.max(ends[faulty] - onset[faulty])),
+            "watched_s": curve.end,
         },
     }
 
@@ -138,14 +136,8 @@ def _tail(loss: NDArray[np.float64], time: NDArray[np.float64]) -> Figures | Non
     """Loss that sound drives pass DESIGNED times an hour, by the tail of its maxima over wheels and BLOCK. loss: of the
     sound drives, shape (wheels, drives, n). None with too few of them."""
     maxima = [block_maxima(drive, time, BLOCK) for drive in np.fmax.reduce(loss, axis=0)]
-    blocks = np.concatenate([*maxima, []])
-    blocks = blocks[np.isfinite(blocks)]
-    if len(blocks) < LEAST_PEAKS:
+    try:
+        tail = fit_tail(maxima, BLOCK / 3600.0)
+    except ValueError:
         return None
-    threshold = float(np.quantile(blocks, 1.0 - SHARE))
-    peaks = sum(len(cluster_peaks(m, threshold)) for m in maxima)
-    hours = len(blocks) * BLOCK / 3600.0
-    if peaks < LEAST_PEAKS or peaks / hours < DESIGNED:
-        return None
-    tail = fit_tail(maxima, BLOCK / 3600.0, SHARE)
-    return {"per_hour": DESIGNED, "threshold": tail.threshold_at(DESIGNED).json(), "peaks": peaks, "hours": hours}
+    return {"per_hour": DESIGNED, "threshold": tail.threshold_at(DESIGNED).json(), "hours": tail.hours}

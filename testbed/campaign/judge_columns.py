@@ -34,7 +34,7 @@ QUANTITIES = {
     "pressure_change": Quantity("pressure change", "kPa", 1e-3, 15.0),
     "stiffness": Quantity("stiffness", "kN/m", 1e-3, 10.0),
     "radius_change": Quantity("radius change", "%", 100.0, 0.05),
-    **{name: Quantity(f"{name} radius ratio", "%", 100.0, 0.05, loss=False) for name in PAIRS},
+    **{name: Quantity(f"ratio {name}", "%", 100.0, 0.05, loss=False) for name in PAIRS},
 }
 
 

@@ -48,7 +48,7 @@ def _axis(field: str, values: Sequence[Any]) -> Axis:
 
 
 def judge_maps(campaign: Campaign, drives: Drives) -> dict[str, Any] | None:
-    """RMSE of each method and quantity by group, None with nothing that differs. cells: [x][y], null without a drive."""
+    """RMSE of each method and quantity by group, None if nothing differs. cells: [x][y], null without a drive."""
     axes = axes_of(campaign, drives)
     if not axes:
         return None

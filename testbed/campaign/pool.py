@@ -7,8 +7,8 @@ from the task's own seed. A process computes with one thread, so as many process
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import AbstractContextManager, contextmanager
+from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
+from contextlib import AbstractContextManager, closing, contextmanager
 from dataclasses import dataclass, field
 from importlib.util import find_spec
 from typing import Any
@@ -53,10 +53,10 @@ class Pool:
             raise ValueError(f"backend {self.backend} is not installed; pip install 'vehicle-testbed[{self.backend}]'")
 
 
-Stream = Callable[[Sequence[Any]], Iterator[Numbered]]
+Stream = Callable[[Sequence[Any]], Generator[Numbered, None, None]]
 
 
-def _one_by_one(calls: Sequence[Any]) -> Iterator[Numbered]:
+def _one_by_one(calls: Sequence[Any]) -> Generator[Numbered, None, None]:
     yield from joblib.Parallel(return_as="generator_unordered", pre_dispatch="all", batch_size=1)(calls)
 
 
@@ -99,7 +99,7 @@ def _ray(pool: Pool) -> Iterator[Stream]:
     except (ConnectionError, ValueError, RuntimeError) as error:
         raise ValueError(f"no Ray cluster at {pool.address}: {_first_line(error)}") from None
 
-    def in_batches(calls: Sequence[Any]) -> Iterator[Numbered]:
+    def in_batches(calls: Sequence[Any]) -> Generator[Numbered, None, None]:
         """joblib has no generator for Ray: a batch's rows come when all of them are there."""
         size = BATCH * joblib.effective_n_jobs(-1)
         for start in range(0, len(calls), size):
@@ -124,14 +124,15 @@ def _first_line(error: Exception) -> str:
     return next(iter(str(error).splitlines()), type(error).__name__)
 
 
-def results(pool: Pool, work: Work, tasks: Sequence[dict[str, Any]]) -> Iterator[Numbered]:
-    """(number of the task, its row) as they are finished, in no order; closing it ends what still runs. ValueError
+@contextmanager
+def results(pool: Pool, work: Work, tasks: Sequence[dict[str, Any]]) -> Iterator[Iterator[Numbered]]:
+    """(number of the task, its row) as they are finished, in no order; leaving it ends what still runs. ValueError
     where a cluster cannot be reached, WorkerLost when a worker dies."""
     calls = [joblib.delayed(_numbered)(work, i, task) for i, task in enumerate(tasks)]
     with warnings.catch_warnings():
-        warnings.filterwarnings("ignore", module="joblib")  # it warns of an end before the last row, and of ...
-        with _OPEN[pool.backend](pool) as stream:
-            yield from stream(calls)
+        warnings.filterwarnings("ignore", module="joblib")  # that it was left before the last row, or lost a worker
+        with _OPEN[pool.backend](pool) as stream, closing(stream(calls)) as rows:
+            yield rows
 
 
 def _numbered(work: Work, number: int, task: dict[str, Any]) -> Numbered:

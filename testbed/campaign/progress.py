@@ -40,8 +40,8 @@ def print_plan(console: Console, campaign: Campaign) -> None:
         table.add_row(name, kind, value)
     table.add_row("estimators", "", ", ".join(campaign.estimators) or "none")
     console.print(table, highlight=False)
-    hours = campaign.driven_seconds / 3600.0
-    console.print(f"{len(campaign.tasks)} drives, {hours:.2f} h of driving with their calibrations", highlight=False)
+    long = duration_text(campaign.driven_seconds)
+    console.print(f"{len(campaign.tasks)} drives, {long} of driving with their calibrations", highlight=False)
 
 
 def described(campaign: Campaign) -> Iterator[tuple[str, str, str]]:

@@ -31,19 +31,23 @@ NAME = "report.html"
 Figures = Mapping[str, Any]
 
 INTERVALS = (
-    "Under each figure its 95 % interval. A drive is one sample, however long it is: its wheels and seconds are no more "
-    "drives."
+    "Under each figure its 95 % interval. A drive is one sample, however long it is: its wheels and seconds are no "
+    "more drives."
 )
 ESTIMATES = (
-    "RMSE, bias and std over drives and time. Settled: from when on the error of every wheel stays below {bounds} to the "
-    "end; median over drives. NEES: mean of (error / reported std)², 1 if the reported std is true, above if it is too "
-    "small; 68.3 % of the errors should lie within 1 std. A change less the mean of the four wheels has no bias over all "
-    "four."
+    "RMSE, bias and std over drives and time. Settled: from when on the error of every wheel stays below {bounds} to "
+    "the end; median over drives. NEES: mean of (error / reported std)², 1 if the reported std is true, above if it is "
+    "too small; 68.3 % of the errors should lie within 1 std. A change less the mean of the four wheels has no bias "
+    "over all four."
 )
 ALARMS = (
-    "A tyre is low once it has lost {low:g} % of nominal pressure. Times run from then; drives that end without an alarm "
-    "are censored, not left out. Right wheel: of the drives with an alarm, those that name exactly the low tyres. False: "
-    "an alarm while no tyre is low; Garwood's interval holds for none seen, too."
+    "A tyre is low once it has lost {low:g} % of nominal pressure. Times run from then; drives that end without an "
+    "alarm are censored, not left out. Right wheel: of the drives with an alarm, those that name exactly the low "
+    "tyres. False: an alarm while no tyre is low; Garwood's interval holds for none seen, too."
+)
+WORST = (
+    "Largest error of all of a method's quantities together. The recording opens in the viewer that came with the "
+    "set-up; the second command drives it again."
 )
 
 
@@ -200,11 +204,8 @@ def _worst(campaign: Campaign, rows: Sequence[Row], worst: Mapping[str, int], fi
         lines.append(("group", cells))
     if not lines:
         return "<p>No estimate that has a truth.</p>"
-    note = "Largest error of all of a method's quantities together. The recording opens in the viewer that came with the set-up; the second command drives it again."  # noqa: E501
-    return (
-        table(("method", "recording", "driven", "to open it, to drive it again"), lines, 4)
-        + f'<p class="note">{note}</p>'
-    )
+    heads = ("method", "recording", "driven", "to open it, to drive it again")
+    return table(heads, lines, 4) + f'<p class="note">{WORST}</p>'
 
 
 def _short(value: Any) -> str:

@@ -21,7 +21,7 @@ from testbed.recording.series import WHEEL_COLOURS
 WIDTH = 10.4  # inches of a page's width
 LINE = "#30353d"
 METHODS = ("#3b5b92", "#b5502b", "#4d8a57", "#8a5aa3", "#a88420", "#3a8c98", "#a0405f", "#666666")
-STYLE = {
+STYLE: dict[Any, Any] = {
     "font.size": 9.0,
     "axes.titlesize": 9.5,
     "axes.spines.top": False,
@@ -90,21 +90,20 @@ def detection_curves(alarms: Sequence[Figures]) -> str | None:
         for i, entry in drawn:
             curve, tone = entry["detection_curve"], METHODS[i % len(METHODS)]
             time = np.concatenate([[0.0], numbers(curve["time_s"]), [curve["watched_s"]]])
-            before = (0.0, *curve["before_ci95"])
-            share, low, high = (
-                _steps(v, start) for v, start in zip((curve["share"], *curve["share_ci95"]), before, strict=True)
-            )
+            share, low, high = (_steps(v) for v in (curve["share"], *curve["share_ci95"]))
             axes.fill_between(time, low, high, step="post", color=tone, alpha=0.18, linewidth=0)
             axes.step(time, share, where="post", color=tone, linewidth=1.6, label=entry["method"])
+        if not any(entry["detection_curve"]["time_s"] for _, entry in drawn):
+            axes.text(0.5, 0.5, "no alarm", transform=axes.transAxes, ha="center", color=LINE)
         axes.set(xlabel="time since a tyre is low (s)", ylabel="drives with an alarm (%)", ylim=(-2.0, 102.0))
         axes.set_xlim(left=0.0)
         figure.legend(loc="outside right upper")
         return svg(figure)
 
 
-def _steps(share: Sequence[float | None], start: float) -> NDArray[np.float64]:
-    """From the value at the start to the last one, which holds to the end, in per cent."""
-    values = np.concatenate([[start], numbers(share)])
+def _steps(share: Sequence[float | None]) -> NDArray[np.float64]:
+    """From 0 at the start to the last value, which holds to the end, in per cent."""
+    values = np.concatenate([[0.0], numbers(share)])
     return 100.0 * np.append(values, values[-1])
 
 

@@ -45,16 +45,14 @@ def scaled(part: Part, factors: Mapping[str, Any], what: str) -> Part:
 
 def _scaled(part: Any, path: list[str], factor: float, what: str) -> Any:
     values = {f.name: getattr(part, f.name) for f in dataclasses.fields(part)}
-    numbers = {
-        name: value
-        for name, value in values.items()
-        if dataclasses.is_dataclass(value) or (isinstance(value, int | float) and not isinstance(value, bool))
-    }
+    parts = {name: value for name, value in values.items() if dataclasses.is_dataclass(value)}
+    numbers = {name: v for name, v in values.items() if isinstance(v, int | float) and not isinstance(v, bool)}
     name, *rest = path
-    if name not in numbers or dataclasses.is_dataclass(numbers[name]) != bool(rest):
-        raise ValueError(f"[{what}] has no number {name!r}; valid: {', '.join(numbers)}")
-    value = _scaled(numbers[name], rest, factor, what) if rest else factor * numbers[name]
-    return dataclasses.replace(part, **{name: value})
+    if rest and name in parts:
+        return dataclasses.replace(part, **{name: _scaled(parts[name], rest, factor, what)})
+    if rest or name not in numbers:
+        raise ValueError(f"[{what}] has no number {name!r}; valid: {', '.join([*numbers, *parts])}")
+    return dataclasses.replace(part, **{name: factor * numbers[name]})
 
 
 def variant_of(
