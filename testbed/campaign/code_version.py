@@ -19,9 +19,12 @@ AFTERWARDS = (
     "estimators/scores/",
     "testbed/bench/",
     "testbed/campaign/__main__",
+    "testbed/campaign/arguments",
+    "testbed/campaign/estimate",
     "testbed/campaign/examples/",
     "testbed/campaign/judge",
     "testbed/campaign/progress",
+    "testbed/campaign/replay",
     "testbed/campaign/report",
 )
 

@@ -31,8 +31,8 @@ class WorkerLost(RuntimeError):
 
 @dataclass(frozen=True)
 class Pool:
-    """backend: of BACKENDS; jobs: processes (on a cluster, its workers decide); address: of a cluster's scheduler.
-    ValueError names what is not valid."""
+    """backend: of BACKENDS; jobs: processes, where 1 is this one, which no drive may bring down (on a cluster, its
+    workers decide); address: of a cluster's scheduler. ValueError names what is not valid."""
 
     backend: str = "processes"
     jobs: int = field(default_factory=joblib.cpu_count)

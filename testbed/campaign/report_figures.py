@@ -28,6 +28,7 @@ STYLE: dict[Any, Any] = {
     "axes.spines.right": False,
     "axes.edgecolor": "#6b7280",
     "axes.grid": True,
+    "axes.axisbelow": True,
     "grid.color": "#e3e6eb",
     "grid.linewidth": 0.6,
     "legend.frameon": False,

@@ -9,7 +9,7 @@ from typing import Any
 from testbed.campaign.report_figures import colour
 
 Figures = Mapping[str, Any]
-DASH = "–"
+DASH, MINUS = "–", "−"
 TINY = 1e-12  # what rounding leaves of a bias that is 0 by construction
 
 
@@ -19,10 +19,10 @@ def number(value: float | None) -> str:
         return DASH
     if abs(value) < TINY:
         return "0"
-    if 1e-3 <= abs(value) < 1e5:
-        digits = f"{value:.3g}"
-        return f"{float(digits):.0f}" if "e" in digits else digits
-    return f"{value:.1e}"
+    digits = f"{value:.3g}" if 1e-3 <= abs(value) < 1e5 else f"{value:.1e}"
+    if "e+" in digits:
+        digits = f"{float(digits):.0f}"
+    return digits.replace("-", MINUS, 1) if value < 0.0 else digits
 
 
 def with_interval(entry: Figures | None, scale: float = 1.0) -> str:
