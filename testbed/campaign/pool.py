@@ -6,6 +6,9 @@ from the task's own seed. A process computes with one thread, so as many process
 
 from __future__ import annotations
 
+import os
+import threading
+import time
 import warnings
 from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, closing, contextmanager
@@ -19,6 +22,7 @@ from joblib.externals.loky.process_executor import BrokenProcessPool
 BACKENDS = ("processes", "dask", "ray")
 MODULES = {"dask": "distributed", "ray": "ray"}
 TIMEOUT = 10.0  # s to reach a cluster's scheduler
+WATCH = 0.5  # s between looks at whether the parent still is
 BATCH = 4  # tasks a worker that are given together where rows cannot be had one by one
 
 Work = Callable[[dict[str, Any]], dict[str, Any]]
@@ -60,9 +64,21 @@ def _one_by_one(calls: Sequence[Any]) -> Generator[Numbered, None, None]:
     yield from joblib.Parallel(return_as="generator_unordered", pre_dispatch="all", batch_size=1)(calls)
 
 
+def _end_with(parent: int) -> None:
+    """Ends this process soon after its parent was killed: it would drive on for nobody, and hold the output open."""
+
+    def watch() -> None:
+        while os.getppid() == parent:
+            time.sleep(WATCH)
+        os._exit(1)
+
+    threading.Thread(target=watch, daemon=True).start()
+
+
 @contextmanager
 def _processes(pool: Pool) -> Iterator[Stream]:
-    with joblib.parallel_config(backend="loky", n_jobs=pool.jobs, inner_max_num_threads=1):
+    own = {"initializer": _end_with, "initargs": (os.getpid(),)} if pool.jobs > 1 else {}
+    with joblib.parallel_config(backend="loky", n_jobs=pool.jobs, inner_max_num_threads=1, **own):
         try:
             yield _one_by_one
         except BrokenProcessPool as lost:

@@ -19,7 +19,7 @@ def number(value: float | None) -> str:
         return DASH
     if abs(value) < TINY:
         return "0"
-    digits = f"{value:.3g}" if 1e-3 <= abs(value) < 1e5 else f"{value:.1e}"
+    digits = f"{value:.3g}" if abs(value) >= 1e-3 else f"{value:.1e}"
     if "e+" in digits:
         digits = f"{float(digits):.0f}"
     return digits.replace("-", MINUS, 1) if value < 0.0 else digits
