@@ -26,7 +26,9 @@ SLACK = 1.5  # of a bar: a test shares its machine with others, only a real loss
 def figures() -> dict[str, float]:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(bench, "WHOLE_DRIVE", 2.0)
-        return bench.measure(bench.Effort(loop_seconds=3, drive=2.0, thread_drive=2.0, repetitions=1))
+        return bench.measure(
+            bench.Effort(loop_seconds=3, drive=2.0, thread_drive=2.0, campaign_drives=2, repetitions=1)
+        )
 
 
 def test_every_figure_is_measured_and_possible(figures: dict[str, float]) -> None:
@@ -36,6 +38,8 @@ def test_every_figure_is_measured_and_possible(figures: dict[str, float]) -> Non
     assert figures["loop_step_us"] > figures["mj_step_us"] > 1.0
     assert 0.1 < figures["start_up_s"] < 120.0
     assert 0.3 < figures["two_thread_speedup"] < 2.5
+    assert -0.5 < figures["campaign_overhead"] < 1.0
+    assert 0.1 < figures["two_process_speedup"] < 4.0
     assert 100.0 < figures["peak_memory_mib"] < bench.BARS["peak_memory_mib"][1]
 
 

@@ -25,17 +25,18 @@ from testbed.drive import write_json
 
 @dataclass(frozen=True)
 class Effort:
-    """How long to measure: seconds of drive, and repetitions of each figure."""
+    """How long to measure: seconds of drive, drives of a campaign, and repetitions of each figure."""
 
     loop_seconds: int
     drive: float
     thread_drive: float
+    campaign_drives: int
     repetitions: int
 
 
-FULL = Effort(loop_seconds=60, drive=60.0, thread_drive=120.0, repetitions=5)
+FULL = Effort(loop_seconds=60, drive=60.0, thread_drive=120.0, campaign_drives=6, repetitions=5)
 WHOLE_DRIVE = 60.0  # s of the drive in a process of its own
-QUICK = Effort(loop_seconds=5, drive=5.0, thread_drive=5.0, repetitions=1)
+QUICK = Effort(loop_seconds=5, drive=5.0, thread_drive=5.0, campaign_drives=2, repetitions=1)
 
 # JSON key -> bar ("<=" or ">="), its value, what it is of
 BARS: dict[str, tuple[str, float, str]] = {
@@ -46,6 +47,8 @@ BARS: dict[str, tuple[str, float, str]] = {
     "peak_memory_mib": ("<=", 1536.0, "whole drive"),
     "start_up_s": ("<=", 3.0, "to first step"),
     "drive_60s_s": ("<=", 15.0, "whole process"),
+    "campaign_overhead": ("<=", 0.10, "over bare drives"),
+    "two_process_speedup": (">=", 1.8, "processes warm"),
 }
 
 
@@ -54,12 +57,14 @@ def measure(effort: Effort) -> dict[str, float]:
     from testbed.bench.processes import process_cost  # before this process grows
 
     process = process_cost(WHOLE_DRIVE, effort.repetitions)
+    from testbed.bench.campaigns import campaign_cost
     from testbed.bench.drives import drive_speed, two_thread_speedups
     from testbed.bench.loop_cost import loop_cost
 
     loop = loop_cost(effort.loop_seconds)
     speed = drive_speed(effort.drive, effort.repetitions)
     threads, bare_threads = two_thread_speedups(effort.thread_drive, effort.repetitions)
+    campaigns = campaign_cost(effort.drive, effort.campaign_drives, effort.repetitions)
     return {
         "loop_over_mj_step": loop.ratio,
         "realtime_factor": speed.sensors,
@@ -68,9 +73,12 @@ def measure(effort: Effort) -> dict[str, float]:
         "peak_memory_mib": process.peak_memory,
         "start_up_s": process.start_up,
         "drive_60s_s": process.whole,
+        "campaign_overhead": campaigns.overhead,
+        "two_process_speedup": campaigns.speed_up,
         "loop_step_us": 1e6 * loop.loop_step,
         "mj_step_us": 1e6 * loop.bare_step,
         "bare_thread_speedup": bare_threads,
+        "worker_start_up_s": campaigns.worker_start_up,
         "realtime_with_estimators": speed.estimators,
         "realtime_with_recording": speed.recording,
     }

@@ -33,11 +33,12 @@ def axes_of(campaign: Campaign, drives: Drives) -> list[Axis]:
     """At most two."""
     fields = [*campaign.swept, *campaign.drawn]
     wanted = [f for f in FAVOURED if f in fields] + [f for f in fields if f not in FAVOURED]
-    return [_axis(field, [row[field] for row in drives.rows]) for field in wanted[:2]]
+    return [_axis(field, [row[field] for row in drives.rows], field in campaign.swept) for field in wanted[:2]]
 
 
-def _axis(field: str, values: Sequence[Any]) -> Axis:
-    different = sorted(set(values))
+def _axis(field: str, values: Sequence[Any], swept: bool) -> Axis:
+    """Swept values in the order of the file, of which the first drives are."""
+    different = list(dict.fromkeys(values)) if swept else sorted(set(values))
     if len(different) <= MOST or isinstance(different[0], str):
         return Axis(field, tuple(f"{v:g}" if isinstance(v, float) else str(v) for v in different),
                     tuple(different.index(v) for v in values))  # fmt: skip

@@ -156,12 +156,12 @@ def heat_maps(maps: Figures) -> str:
 
 def _heat_map(figure: Figure, axes: Axes, entry: Figures, maps: Figures) -> None:
     table = np.array([[cell["rmse"]["here"] if cell else np.nan for cell in column] for column in entry["cells"]]).T
-    image = axes.imshow(table, origin="lower", aspect="auto", cmap="YlOrBr", vmin=0.0)
+    image = axes.imshow(table, origin="lower", aspect="auto", cmap="YlOrBr", vmin=0.0, vmax=1.4 * np.nanmax(table))
     axes.set_xticks(range(len(maps["x_labels"])), maps["x_labels"])
     axes.set_yticks(range(len(maps["y_labels"])), maps["y_labels"])
     axes.set(xlabel=axis_name(maps["x"]), ylabel=axis_name(maps["y"]))
     axes.set_title(f"{entry['method']}: {entry['label']}", loc="left")
-    middle = 0.6 * np.nanmax(table)
+    middle = 0.9 * np.nanmax(table)
     for (j, i), value in np.ndenumerate(table):
         if np.isfinite(value):
             tone = "white" if value > middle else LINE
