@@ -10,6 +10,11 @@ import pytest
 
 from estimators.__main__ import main as estimate
 from testbed.arguments import drive_parser
+from testbed.campaign.__main__ import main as campaign
+from testbed.campaign.arguments import campaign_parser
+from testbed.campaign.distributions import KINDS
+from testbed.campaign.fields import FIELDS
+from testbed.campaign.plan import KEYS
 from testbed.drive import main as drive
 from testbed.manoeuvres.manoeuvre import manoeuvres
 
@@ -17,6 +22,7 @@ ROOT = Path(__file__).resolve().parents[1]
 README = (ROOT / "README.md").read_text()
 COMMANDS = re.findall(r"^\$ (.+)$", README, re.MULTILINE)
 DRIVES = [c for c in COMMANDS if c.startswith("python -m testbed.drive")]
+CAMPAIGNS = [c for c in COMMANDS if c.startswith("python -m testbed.campaign")]
 LOGS = [c for c in COMMANDS if c.startswith("python -m estimators")]
 
 
@@ -64,6 +70,42 @@ def test_readme_estimators_run(command, tmp_path, monkeypatch, capsys):
         monkeypatch.chdir(ROOT)
     assert estimate(words) == 0
     assert "wheel_radius" in capsys.readouterr().out
+
+
+def test_readme_shows_the_example_campaign_as_it_is():
+    for example in (ROOT / "testbed" / "campaign" / "examples").iterdir():
+        assert f"```toml\n{example.read_text().rstrip()}\n```" in README
+
+
+def test_readme_names_every_field_and_distribution_of_a_campaign_and_no_other():
+    section = README[README.index("## Many drives") : README.index("## Estimators")]
+    table = "\n".join(row for row in section.splitlines() if row.startswith("|"))
+    assert set(re.findall(r"`\[?([a-z_]+)\]?`", table)) == {*FIELDS, *KEYS}
+    assert set(re.findall(r"`\{ ([a-z_]+) = ", table)) - {"rate", "to"} == set(KINDS)
+
+
+@pytest.mark.parametrize("command", CAMPAIGNS)
+def test_readme_campaign_runs(command, tmp_path, monkeypatch, capsys):
+    """As typed, but one drive of it and two seconds of that, in a folder of its own."""
+    file, *words = shlex.split(command)[3:]
+    monkeypatch.chdir(tmp_path)
+    short = re.sub(r"(sweep = \[[^,\]]+)[^\]]*", r"\1", (ROOT / file).read_text())
+    short = re.sub(r"runs = \d+", "runs = 1", re.sub(r"duration_s = \d+", "duration_s = 2", short))
+    (tmp_path / Path(file).name).write_text(short)
+    assert campaign([Path(file).name, *words]) == 0
+    out = tmp_path / "recordings" / Path(file).stem
+    if "--dry-run" in words:
+        assert "1 drives" in capsys.readouterr().out
+    else:
+        assert list(out.glob("drive-0.rrd"))
+        assert (out / "report.html").is_file() or "--replay" in words
+
+
+def test_options_of_a_campaign_in_the_readme_exist():
+    section = README[README.index("## Many drives") : README.index("## Estimators")]
+    known = {name for action in campaign_parser()._actions for name in action.option_strings}
+    assert {"--jobs", "--backend"} <= known
+    assert _options_in(section) <= known
 
 
 def test_files_that_the_readme_names_exist():
