@@ -7,6 +7,7 @@ from the task's own seed. A process computes with one thread, so as many process
 from __future__ import annotations
 
 import os
+import socket
 import threading
 import time
 import warnings
@@ -104,6 +105,13 @@ def _dask(pool: Pool) -> Iterator[Stream]:
         client.close()
 
 
+def _knock(address: str) -> None:
+    """OSError where nobody listens at HOST:PORT, which takes Ray minutes to say."""
+    host, _, port = address.removeprefix("ray://").rpartition(":")
+    if port.isdigit():
+        socket.create_connection((host, int(port)), TIMEOUT).close()
+
+
 @contextmanager
 def _ray(pool: Pool) -> Iterator[Stream]:
     import ray
@@ -111,8 +119,9 @@ def _ray(pool: Pool) -> Iterator[Stream]:
     from ray.util.joblib import register_ray
 
     try:
+        _knock(str(pool.address))
         ray.init(address=pool.address, logging_level="ERROR", log_to_driver=False)
-    except (ConnectionError, ValueError, RuntimeError) as error:
+    except (OSError, ValueError, RuntimeError) as error:
         raise ValueError(f"no Ray cluster at {pool.address}: {_first_line(error)}") from None
 
     def in_batches(calls: Sequence[Any]) -> Generator[Numbered, None, None]:
