@@ -115,7 +115,7 @@ def _summary(scores: Figures) -> str:
             share = f"{number(100 * found['here'])} % ({' to '.join(number(100 * v) for v in found['ci95'])})"
             lines.append(f"{entry['method']}: alarm on {share} of {entry['faulty_drives']} drives with a low tyre.")
         if false:
-            lines.append(f"{entry['method']}: {false['count']} false alarms in {number(false['hours'])} h.")
+            lines.append(f"{entry['method']}: false alarms {false['count']} in {number(false['hours'])} h.")
     return "".join(f"<p>{escape(lines[0])}</p>") + f"<p>{escape(' '.join(lines[1:]))}</p>"
 
 
@@ -173,7 +173,9 @@ def _maps(maps: Figures | None, figures: _Numbered) -> str:
     if not maps or not maps["maps"]:
         return "<p>No field differs from drive to drive.</p>"
     counts = [cell["drives"] if cell else 0 for entry in maps["maps"] for column in entry["cells"] for cell in column]
-    caption = f"RMSE over drives, time and wheels; {min(counts)} to {max(counts)} drives a cell."
+    fewest, most = min(counts), max(counts)
+    cell = f"{most}" if fewest == most else f"{fewest} to {most}"
+    caption = f"RMSE over drives, time and wheels; {cell} drives a cell."
     return figures(heat_maps(maps), caption)
 
 

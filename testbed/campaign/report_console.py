@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 from rich import box
@@ -32,11 +32,19 @@ def print_scores(console: Console, scores: Figures) -> None:
         table.add_row(entry["method"], f"{entry['label']} ({entry['unit']})", *figures)
     console.print(table)
     for entry in scores["alarms"]:
-        false = entry["false_alarms"]
-        words = [f"{entry['method']}: alarm on {_text(entry['detected'], 100.0)} % of {entry['faulty_drives']} drives"]
-        words += [f"with a low tyre after {_text(entry['detection_s'])} s"]
-        if false:
-            words += [f"; {false['count']} false alarms in {number(false['hours'])} sound hours"]
-        console.print(" ".join(words).replace(" ;", ";"), highlight=False)
+        for line in _alarm_lines(entry):
+            console.print(f"{entry['method']}: {line}", highlight=False)
     for entry in scores["failed"][:5]:
         console.print(f"drive {entry['number']} failed: {entry['error']}", highlight=False, markup=False)
+
+
+def _alarm_lines(entry: Figures) -> Iterator[str]:
+    false = entry["false_alarms"]
+    if entry["detected"]:
+        share = f"alarm on {_text(entry['detected'], 100.0)} % of {entry['faulty_drives']} drives with a low tyre"
+        yield (
+            share if entry["detection_s"]["here"] is None else f"{share}, median after {_text(entry['detection_s'])} s"
+        )
+    if false:
+        rate = _text(false["per_hour"])
+        yield f"false alarms {false['count']} in {number(false['hours'])} sound hours, {rate} an hour"
