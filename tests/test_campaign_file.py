@@ -96,6 +96,11 @@ def test_draws_have_the_moments_of_their_distribution(distribution: Any, mean: f
     assert values.std() == pytest.approx(std, rel=0.1)
 
 
+def test_draws_of_two_fields_have_nothing_in_common() -> None:
+    one, other = ([draw(1, number, name, {"uniform": [0, 1]}) for number in range(1000)] for name in ("a", "b"))
+    assert abs(np.corrcoef(one, other)[0, 1]) < 4.0 / 1000**0.5
+
+
 def test_log_uniform_is_uniform_in_the_logarithm() -> None:
     values = np.log10([draw(1, n, "field", {"log_uniform": [1e-6, 1e-2]}) for n in range(1000)])
     assert values.mean() == pytest.approx(-4.0, abs=4.0 * 4.0 / 12**0.5 / 1000**0.5)

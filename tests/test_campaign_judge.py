@@ -93,6 +93,15 @@ def test_alarm_five_seconds_after_the_tyre_is_low_is_so_told(
     assert holds(entry["false_alarms"]["per_hour"], 0.0)
 
 
+def test_tyre_that_is_low_from_the_start_is_so_from_zero_on(rows: list[dict[str, Any]]) -> None:
+    low = {"pressure_kpa/fl": [190.0] * 60, "alarms": json.dumps([[12.0, "wheel_radius", ["fl"]]])}
+    entry = judge(PLAN, [row | low for row in rows])["alarms"][0]
+    assert entry["detection_s"]["here"] == 12.0
+    assert entry["faulty_drives"] == len(rows)
+    assert entry["false_alarms"] is None
+    assert entry["roc"] is None
+
+
 def test_alarm_of_a_sound_car_is_false_and_of_another_wheel_is_not_isolated(rows: list[dict[str, Any]]) -> None:
     early = [row | {"alarms": json.dumps([[1.5, "wheel_radius", ["rr"]]])} for row in rows]
     entry = judge(PLAN, early)["alarms"][0]
