@@ -43,7 +43,11 @@ def parser() -> Parser:
 def run_on_log(options: argparse.Namespace, console: Console) -> None:
     """Read, run, print, write. ValueError or OSError with one line when that is not possible."""
     from estimators.readers import read_log  # file formats are imported when a file is read
-    from estimators.report import document, print_report, read_calibration, read_json_object, usable_signals, write_json
+    from estimators.report import document, print_report, read_calibration, read_json_object, usable_signals
+    from estimators.whole_file import check_writable, write_json
+
+    if options.json:
+        check_writable(options.json)
 
     calibrations = read_calibration(options.calibration) if options.calibration else None
     log = read_log(options.log, options.column_map)

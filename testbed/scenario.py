@@ -8,9 +8,9 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, TypeVar
 
 from estimators.drive_log import WHEELS
 from testbed.tyre.inflation import Leak, PressureSet
@@ -32,12 +32,25 @@ RANGES = (
 PRESSURE_RANGE = (0.0, 500e3)  # Pa, gauge
 FARTHEST_LOAD = 3.0  # m from the chassis' centre of gravity, along each axis
 SENSOR_STEP = 1e-3  # s of the grid on which the sensors are fed: a whole number of steps
+Entry = TypeVar("Entry", Leak, PressureSet)
 TEXTS = ("road", "manoeuvre", "tyre", "friction", "driven")
 MAPPINGS = ("pressures", "leaks", "pressure_sets", "radius_factor", "sensors")
 
 
 def _number(value: object) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool)
+    """Whether it is a number of a size that any field could have."""
+    return isinstance(value, int | float) and not isinstance(value, bool) and not abs(value) > 1e15
+
+
+def _entries(name: str, kind: type[Entry], given: object) -> object:
+    """Leaks or pressure sets of saved notes; what is no mapping is left for the scenario's own check."""
+    if not isinstance(given, Mapping):
+        return given
+    wanted = {f.name for f in dataclasses.fields(kind)}
+    for wheel, entry in given.items():
+        if not isinstance(entry, Mapping) or not set(entry) <= wanted:
+            raise ValueError(f"{name} of {wheel} is {entry!r}, want {', '.join(sorted(wanted))}")
+    return {wheel: kind(**entry) for wheel, entry in given.items()}
 
 
 @dataclass(frozen=True)
@@ -142,7 +155,9 @@ class Scenario:
         values = dict(notes)
         for name in ("payload_position", "obstacles"):
             if name in values:
+                if not isinstance(values[name], Sequence) or isinstance(values[name], str):
+                    raise ValueError(f"{name} is {values[name]!r}, want a list")
                 values[name] = tuple(values[name])
-        values["leaks"] = {w: Leak(**leak) for w, leak in values.get("leaks", {}).items()}
-        values["pressure_sets"] = {w: PressureSet(**s) for w, s in values.get("pressure_sets", {}).items()}
+        values["leaks"] = _entries("leaks", Leak, values.get("leaks", {}))
+        values["pressure_sets"] = _entries("pressure_sets", PressureSet, values.get("pressure_sets", {}))
         return Scenario(**values)

@@ -168,10 +168,13 @@ class Simulation:
 
     def _diverged(self, what: str) -> Diverged:
         s = self.scenario
-        return Diverged(
-            f"{what} at {self.state.clock[0] * s.step:.3f} s: road {s.road} at {3.6 * s.speed:g} km/h is more than it "
-            "can take; a smoother road or a lower speed is valid"
-        )
+        time = self.state.clock[0] * s.step
+        when = f"at {time:.3f} s" if time >= 0.0 else "before the start, on level ground"
+        asked = [f"road {s.road} at {3.6 * s.speed:g} km/h"]
+        asked += [f"{s.payload:g} kg at {list(s.payload_position)} m"] if s.payload else []
+        asked += [f"grade {s.grade:g} and bank {s.bank:g}"] if s.grade or s.bank else []
+        asked += list(s.obstacles)
+        return Diverged(f"{what} {when}: {', '.join(asked)} is more than it can take; less of it is valid")
 
     def stretches(self) -> Iterator[Stretch]:
         """The drive in stretches of about STRETCH seconds, from the clock's present time to the scenario's duration."""

@@ -75,7 +75,10 @@ def parse_sections(spec: str) -> tuple[Section, ...]:
             break
         length = _number(metres) if colon else math.nan
         if not ISO_SPACING <= length <= _LONGEST_SECTION:
-            raise ValueError(f"road '{spec}': section '{word.strip()}' needs a length in metres > 0, such as A:200")
+            raise ValueError(
+                f"road '{spec}': section '{word.strip()}' needs a length in metres, {ISO_SPACING:g} to "
+                f"{_LONGEST_SECTION:g}, such as A:200"
+            )
         start += round(length / ISO_SPACING) * ISO_SPACING
     return tuple(sections)
 

@@ -86,13 +86,15 @@ class BusSpeedSettings:
 
 SensorSettings = AnalogueSettings | EncoderSettings | BusSpeedSettings
 
+_MOST = 1e9  # of an amplitude, in any unit: beyond it numbers overflow
 # field -> (lowest, highest) valid value, both included; fields not named here only need to be finite
 _LIMITS: dict[str, tuple[float, float]] = {
-    "rate": (1e-3, STEPS_PER_SECOND), "jitter": (0.0, 1.0), "noise": (0.0, math.inf), "bias_std": (0.0, math.inf),
-    "bias_walk": (0.0, math.inf), "scale": (-1.0, math.inf), "scale_std": (0.0, 1.0), "quantisation": (0.0, math.inf),
-    "delay": (0.0, 60.0), "dropout": (0.0, 1.0), "burst": (0.0, 1.0), "burst_length": (1, 10**6),
-    "teeth": (2, 1000), "pitch_error": (0.0, _MAX_PITCH_ERROR), "timer": (_LOG_GRID, 0.01), "hysteresis": (0.0, 0.5),
-    "missing": (0.0, 1.0), "double": (0.0, 1.0), "double_gap": (_LOG_GRID, 1.0), "timeout": (0.01, 60.0),
+    "rate": (1e-3, STEPS_PER_SECOND), "jitter": (0.0, 1.0), "noise": (0.0, _MOST), "bias": (-_MOST, _MOST),
+    "bias_std": (0.0, _MOST), "bias_walk": (0.0, _MOST), "scale": (-1.0, _MOST), "scale_std": (0.0, 1.0),
+    "quantisation": (0.0, _MOST), "delay": (0.0, 60.0), "dropout": (0.0, 1.0), "burst": (0.0, 1.0),
+    "burst_length": (1, 10**6), "teeth": (2, 1000), "pitch_error": (0.0, _MAX_PITCH_ERROR),
+    "timer": (_LOG_GRID, 0.01), "hysteresis": (0.0, 0.5), "missing": (0.0, 1.0), "double": (0.0, 1.0),
+    "double_gap": (_LOG_GRID, 1.0), "timeout": (0.01, 60.0),
 }  # fmt: skip
 
 
