@@ -38,7 +38,7 @@ SLIP_BOUND = 2.0  # bound of the transient slip when rolling: far on the sliding
 STATE = ("shear_x", "shear_y", "half_length", "fx", "fy")
 SHEAR_X, SHEAR_Y, HALF_LENGTH, LAST_FX, LAST_FY = range(len(STATE))
 
-# columns of a wheel's output
+# columns of a wheel's output; stiffness is the tyre's own, without the rim that a flat tyre may run on
 OUTPUT = ("load", "rolling_radius", "stiffness", "slip_ratio", "slip_angle", "fx", "fy", "mz", "drag_moment",
           "road_height", "deflection", "slip_loss", "drag_loss")  # fmt: skip
 (LOAD, ROLLING_RADIUS, STIFFNESS, SLIP_RATIO, SLIP_ANGLE, FX, FY, MZ, DRAG_MOMENT,
