@@ -167,7 +167,7 @@ def _wheel(w, views, ix, c, s, heights, origin, row, centre, velocity, axis, wre
     friction = friction_at(centre[0], centre[1], c.friction_edges, c.friction_left, c.friction_right)
     rim_load = wheel_forces(
         c.tyre, heights, origin, s.tyres[w], s.outputs[w], wrench, centre, centre[2] - views.xpos[rim, 2], velocity,
-        spin, axis, s.gas[w, PRESSURE], c.radius_factor[w], friction, side, c.step,
+        views.cvel[belt], spin, axis, s.gas[w, PRESSURE], c.radius_factor[w], friction, side, c.step,
     )  # fmt: skip
     for i in range(6):
         views.xfrc[belt, i] = wrench[i]

@@ -7,7 +7,8 @@ What is done with the file:
   bends);
 - NaN cells are filled across the road: linearly between measured cells, by the nearest one beyond them; a cross
   section without any value is interpolated along the road, column by column;
-- beyond its width the edge value is held; between nodes the surface is bilinear, which is OpenCRG's own rule;
+- beyond its width the edge value is held, so a manoeuvre that turns off the strip leaves what was measured; between
+  nodes the surface is bilinear, which is OpenCRG's own rule;
 - beyond its length it goes on as `turning_path` says;
 - the mean height of the first metre becomes z = 0.
 The wanted grid is the file's increment in u, but never finer than 0.01 m nor coarser than 0.05 m.
