@@ -10,7 +10,7 @@ f_b(x_c, y) fades out by a smoothstep over that band's longest wave (1.6 m, 8 m 
 ruts remain. The last section goes on without end; before x = 0 the first one holds.
 
 Between its 0.05 m nodes the road is bilinear, as its height field is, so a finer grid shows the same surface. A track
-between two lines of nodes therefore loses short waves, as the mean of two lines does: at most 45 % of the spectrum in
+between two lines of nodes therefore loses short waves, as the mean of two lines does: at most 40 % of the spectrum in
 the octave up to 10 cycle/m, 25 % in the one below it. A tread 0.2 m wide averages far more of them away.
 """
 
