@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimators.detectors import recursions
-from estimators.detectors.cusum_run_length import gaussian_run_length, run_length
+from estimators.detectors.cusum_run_length import AGREE, gaussian_run_length, run_length
 from estimators.detectors.detector import Detector, RunLength, both_sides, check_number, check_sides, numbers_of
 from estimators.detectors.increments import NegativeSquared, Squared
 
@@ -95,9 +95,16 @@ class CusumVariance(Detector):
 
     def average_run_length(self, mean: float = 0.0, std: float = 1.0) -> RunLength:
         """Exact. std: sqrt(S1 / S0) after the change."""
-        if self.change == "increase":
-            return RunLength.exact(run_length(self.threshold, self.drift, Squared(mean, std)))
-        return RunLength.exact(run_length(self.threshold, -self.drift, NegativeSquared(mean, std)))
+        return RunLength.exact(variance_run_length(self.threshold, self.drift, self.change, mean, std))
+
+
+def variance_run_length(
+    threshold: float, drift: float, change: str, mean: float = 0.0, std: float = 1.0, agree: float = AGREE
+) -> float:
+    """Exact run length of a CUSUM for variance, to a relative accuracy of about `agree`."""
+    if change == "increase":
+        return run_length(threshold, drift, Squared(mean, std), agree)
+    return run_length(threshold, -drift, NegativeSquared(mean, std), agree)
 
 
 def variance_drift(before: float, after: float) -> float:

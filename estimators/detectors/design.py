@@ -16,7 +16,8 @@ from math import ceil, exp, log, sqrt
 
 from scipy.optimize import minimize_scalar
 
-from estimators.detectors.cusum import CusumMean, CusumVariance, variance_drift
+from estimators.detectors.cusum import CusumMean, CusumVariance, variance_drift, variance_run_length
+from estimators.detectors.cusum_run_length import ROUGHLY
 from estimators.detectors.detector import Detector, RunLength, check_number
 from estimators.detectors.ewma import LONGEST_MEMORY, Ewma
 from estimators.detectors.glr import LONGEST_WINDOW, Glr
@@ -25,6 +26,7 @@ from estimators.detectors.local_cusum import SIMULATED, LocalCusum, channel_run_
 from estimators.detectors.threshold import check_run_length, threshold_for
 
 PERIODS = (1, 2, 4, 8, 16, 32, 64, 128, 256)  # tried for an integrator
+_WEIGHTS = (0.03, 1.0)  # 1 - phi over shift^1.5, between which the quickest GMA is (0.05 to 0.4 as arl0 falls)
 _STEPS = 8  # of Newton's method for the GLR
 _LEAST_THRESHOLD = 1e-3  # of a local CUSUM, whose statistic is in units of it
 
@@ -54,9 +56,10 @@ def design_cusum_mean(shift: float, arl0: float, sides: str = "upper", drift: fl
 def design_cusum_variance(before: float, after: float, arl0: float) -> Design:
     """before, after: variances S0 and S1; the drift is theta = sigma*^2 / S0. Exact."""
     drift = variance_drift(before, after)
-    probe = CusumVariance(drift, 0.0, "increase" if after > before else "decrease")
-    h = threshold_for(arl0, lambda t: replace(probe, threshold=t).average_run_length().mean)
-    detector, ratio = replace(probe, threshold=h), after / before
+    change = "increase" if after > before else "decrease"
+    rough = partial(variance_run_length, drift=drift, change=change, agree=ROUGHLY)
+    h = threshold_for(arl0, partial(variance_run_length, drift=drift, change=change), rough=rough)
+    detector, ratio = CusumVariance(drift, h, change), after / before
     delay = detector.average_run_length(std=sqrt(ratio))
     return Design(detector, detector.average_run_length(), delay, ratio)
 
@@ -76,11 +79,11 @@ def design_ewma(shift: float, arl0: float, sides: str = "upper", forgetting: flo
         return design(forgetting)
     found = minimize_scalar(
         lambda v: design(1.0 - exp(v)).delay.mean,
-        bounds=(log(1.0 - LONGEST_MEMORY) + 1e-9, 0.0),
+        bounds=[log(min(max(c * shift**1.5, 1.0 - LONGEST_MEMORY), 1.0)) for c in _WEIGHTS],
         method="bounded",
-        options={"xatol": 0.05},
+        options={"xatol": 0.1},
     )
-    return design(round(1.0 - exp(float(found.x)), 4))
+    return design(min(round(1.0 - exp(float(found.x)), 4), LONGEST_MEMORY))
 
 
 def design_integrator(shift: float, arl0: float, sides: str = "both", period: int | None = None) -> Design:
@@ -142,8 +145,8 @@ def design_local_cusum(
     def with_each(length: float) -> LocalCusum:
         thresholds = []
         for limit, drift in zip(limits, drifts, strict=True):
-            run_length = partial(channel_run_length, limit, drift, sides=sides)
-            thresholds.append(threshold_for(length, run_length))
+            exact = partial(channel_run_length, limit=limit, drift=drift, sides=sides)
+            thresholds.append(threshold_for(length, exact, rough=partial(exact, agree=ROUGHLY)))
         return LocalCusum(limits, drifts, tuple(max(h, _LEAST_THRESHOLD) for h in thresholds), sides)
 
     channels = len(limits)

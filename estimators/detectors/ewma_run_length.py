@@ -11,14 +11,12 @@ from __future__ import annotations
 from math import ceil, sqrt
 
 import numpy as np
-from scipy.linalg import solve
 from scipy.special import ndtr
 
-from estimators.detectors.cusum_run_length import legendre
+from estimators.detectors.absorption import SIZES, legendre, mean_steps, size_above
 from estimators.detectors.increments import normal_density
 
 _REACH = 9.5  # standard deviations of the average
-_MOST_NODES = 1600
 
 
 def ewma_run_length(
@@ -30,25 +28,25 @@ def ewma_run_length(
     width = (1.0 - forgetting) * std
     if threshold <= low:
         return 1.0
-    n = min(24 + 2 * ceil((threshold - low) / width), _MOST_NODES // 2)
+    n = size_above(24 + 2 * ceil((threshold - low) / width))
     length = _nystrom(n, low, threshold, forgetting, width, mean, both_sides)
-    while n < _MOST_NODES:
-        n = min(2 * n, _MOST_NODES)
+    while n < SIZES[-1]:
+        n = size_above(n + 1)
         before, length = length, _nystrom(n, low, threshold, forgetting, width, mean, both_sides)
-        if abs(length - before) <= (1e-8 + 1e-14 * length) * length:
+        if abs(length - before) <= 1e-8 * length:
             return length
-    if abs(length - before) <= 1e-3 * length:
-        return length
     raise ArithmeticError(f"run length at forgetting {forgetting:g} is not resolved: about {length:g}, choose less")
 
 
 def _nystrom(n: int, low: float, high: float, phi: float, width: float, mean: float, both_sides: bool) -> float:
-    """Unknowns: L at n nodes, and at 0 (asked for) and `low` (holds the mass beyond, one-sided only)."""
+    """Unknowns: L at 0 (asked for), at `low` (holds the mass beyond, one-sided only), and at n nodes."""
     nodes, weights = legendre(n, low, high)
-    z = np.concatenate([nodes, [0.0, low]])
+    z = np.concatenate([[0.0, low], nodes])
     centre = phi * z + (1.0 - phi) * mean
-    system = np.eye(n + 2)
-    system[:, :n] -= weights * normal_density((nodes - centre[:, None]) / width) / width
-    if not both_sides:
-        system[:, n + 1] -= ndtr((low - centre) / width)
-    return float(solve(system, np.ones(n + 2), overwrite_a=True)[n])
+    steps = np.zeros((n + 2, n + 2))
+    steps[:, 2:] = weights * normal_density((nodes - centre[:, None]) / width) / width
+    below, above = ndtr((low - centre) / width), ndtr((centre - high) / width)
+    if both_sides:
+        return mean_steps(steps, above + below)
+    steps[:, 1] = below
+    return mean_steps(steps, above)

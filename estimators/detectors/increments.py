@@ -2,6 +2,7 @@
 
 x ~ N(mean, std^2). Each distribution gives, vectorised over u,
     cdf(u)           P(s <= u)
+    tail(u)          P(s > u), accurate where it is small
     partial_mean(u)  E[s; s <= u], the integral of v dF(v) up to u
 in closed form: s = x (mean), s = x^2 (variance: a scaled chi-square with one degree of freedom), s = x where |x| <=
 limit and 0 else (local CUSUM: an atom at 0), and the negative of s = x^2 for a decrease.
@@ -32,6 +33,10 @@ class Increments(ABC):
         """P(s <= u)."""
 
     @abstractmethod
+    def tail(self, u: Array) -> Array:
+        """P(s > u)."""
+
+    @abstractmethod
     def partial_mean(self, u: Array) -> Array:
         """E[s; s <= u]."""
 
@@ -46,6 +51,10 @@ class Gaussian(Increments):
     def cdf(self, u: Array) -> Array:
         """P(s <= u)."""
         return ndtr((u - self.mean) / self.std)
+
+    def tail(self, u: Array) -> Array:
+        """P(s > u)."""
+        return ndtr((self.mean - u) / self.std)
 
     def partial_mean(self, u: Array) -> Array:
         """E[s; s <= u]."""
@@ -69,6 +78,11 @@ class Squared(Increments):
         low, high = self._ends(u)
         return ndtr(high) - ndtr(low)
 
+    def tail(self, u: Array) -> Array:
+        """P(s > u)."""
+        low, high = self._ends(u)
+        return ndtr(-high) + ndtr(low)
+
     def partial_mean(self, u: Array) -> Array:
         """E[s; s <= u]: with x = m + s z, the second moment of x between -sqrt(u) and sqrt(u)."""
         low, high = self._ends(u)
@@ -86,7 +100,11 @@ class NegativeSquared(Increments):
 
     def cdf(self, u: Array) -> Array:
         """P(s <= u)."""
-        return 1.0 - Squared(self.mean, self.std).cdf(-u)
+        return Squared(self.mean, self.std).tail(-u)
+
+    def tail(self, u: Array) -> Array:
+        """P(s > u)."""
+        return Squared(self.mean, self.std).cdf(-u)
 
     def partial_mean(self, u: Array) -> Array:
         """E[s; s <= u]."""
@@ -103,10 +121,15 @@ class Filtered(Increments):
 
     def cdf(self, u: Array) -> Array:
         """P(s <= u)."""
-        inside = Gaussian(self.mean, self.std)
-        ends = inside.cdf(np.array([-self.limit, self.limit]))
-        beyond = 1.0 - (ends[1] - ends[0])
-        return inside.cdf(np.clip(u, -self.limit, self.limit)) - ends[0] + np.where(u >= 0.0, beyond, 0.0)
+        inside, limit = Gaussian(self.mean, self.std), np.array(self.limit)
+        below = inside.cdf(-limit)
+        return inside.cdf(np.clip(u, -limit, limit)) - below + np.where(u >= 0.0, below + inside.tail(limit), 0.0)
+
+    def tail(self, u: Array) -> Array:
+        """P(s > u)."""
+        inside, limit = Gaussian(self.mean, self.std), np.array(self.limit)
+        above = inside.tail(limit)
+        return inside.tail(np.clip(u, -limit, limit)) - above + np.where(u < 0.0, above + inside.cdf(-limit), 0.0)
 
     def partial_mean(self, u: Array) -> Array:
         """E[s; s <= u]."""

@@ -14,7 +14,7 @@ from math import ceil, sqrt
 import numpy as np
 from scipy.special import ndtr
 
-from estimators.detectors.cusum_run_length import legendre
+from estimators.detectors.absorption import legendre, size_above
 from estimators.detectors.increments import normal_density
 
 LONGEST_PERIOD = 2000
@@ -34,7 +34,7 @@ def integrator_run_length(
 
     alarms = [float(alarm_from(np.zeros(1))[0])]
     if period > 1 and h > low:
-        nodes, weights = legendre(32 + 2 * ceil(h - low), low, h)
+        nodes, weights = legendre(size_above(32 + 2 * ceil(h - low)), low, h)
         carry = weights * normal_density(nodes[:, None] - nodes - m)  # from the second index to the first
         density, leaving = normal_density(nodes - m), weights * alarm_from(nodes)
         for _ in range(period - 1):

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from estimators.detectors import recursions
-from estimators.detectors.cusum_run_length import gaussian_run_length, run_length
+from estimators.detectors.cusum_run_length import AGREE, gaussian_run_length, run_length
 from estimators.detectors.detector import Detector, RunLength, both_sides, check_number, check_sides, numbers_of
 from estimators.detectors.increments import Filtered
 from estimators.detectors.simulate import simulated_run_length
@@ -89,7 +89,7 @@ class LocalCusum(Detector):
         """Run length as if the channels were independent, and that of the channel which alarms soonest."""
         lengths = [
             channel_run_length(*channel, self.sides, mean, std)
-            for channel in zip(self.limits, self.drifts, self.thresholds, strict=True)
+            for channel in zip(self.thresholds, self.limits, self.drifts, strict=True)
         ]
         return 1.0 / sum(1.0 / length for length in lengths), min(lengths)
 
@@ -104,14 +104,20 @@ class LocalCusum(Detector):
 
 
 def channel_run_length(
-    limit: float, drift: float, threshold: float, sides: str = "upper", mean: float = 0.0, std: float = 1.0
+    threshold: float,
+    limit: float,
+    drift: float,
+    sides: str,
+    mean: float = 0.0,
+    std: float = 1.0,
+    agree: float = AGREE,
 ) -> float:
-    """Exact run length of a single channel, one- or two-sided."""
+    """Exact run length of a single channel, one- or two-sided, to a relative accuracy of about `agree`."""
 
     def one_sided(m: float) -> float:
         if limit == inf:
             return gaussian_run_length(threshold, drift, m, std)
-        return run_length(threshold, drift, Filtered(m, std, limit))
+        return run_length(threshold, drift, Filtered(m, std, limit), agree)
 
     if sides == "both":
         up = one_sided(mean)

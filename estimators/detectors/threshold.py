@@ -6,16 +6,13 @@ logarithm. Where no threshold at all (h = 0) already gives more than asked, h = 
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable
 from math import isfinite, log
 
-from scipy.linalg import LinAlgError, LinAlgWarning
 from scipy.optimize import brentq
 
-from estimators.detectors.cusum_run_length import LONGEST
-
-_UNRESOLVED = 1e4 * LONGEST  # stands for run lengths too long to be computed
+LONGEST = 1e12  # samples that are designed for
+_CORRECTIONS = 6
 
 
 def check_run_length(arl0: float) -> None:
@@ -24,28 +21,46 @@ def check_run_length(arl0: float) -> None:
         raise ValueError(f"mean run length between false alarms is {arl0:g} samples, feasible: 1 to {LONGEST:g}")
 
 
-def threshold_for(arl0: float, run_length: Callable[[float], float], step: float = 1.0) -> float:
-    """The least h >= 0 whose run length [samples] is arl0, to 1e-6 of h; 0 where that gives more. step: scale of h.
+def threshold_for(
+    arl0: float,
+    run_length: Callable[[float], float],
+    step: float = 1.0,
+    rough: Callable[[float], float] | None = None,
+) -> float:
+    """The least h >= 0 whose run length [samples] is arl0, to 1e-5 of the run length; 0 where that gives more.
 
-    ValueError if arl0 is not feasible.
+    step: scale of h. rough: a cheaper, less accurate run_length to start with. ValueError if arl0 is not feasible.
     """
     check_run_length(arl0)
-
-    def excess(h: float) -> float:
-        try:
-            with warnings.catch_warnings():
-                warnings.simplefilter("ignore", LinAlgWarning)
-                length = run_length(h)
-        except (ArithmeticError, LinAlgError):
-            length = _UNRESOLVED
-        return log(length if 1.0 <= length < _UNRESOLVED else _UNRESOLVED) - log(arl0)
-
     if run_length(0.0) >= arl0:
         return 0.0
+    excess = _log_excess(rough or run_length, arl0)
     low, high = 0.0, step
     while excess(high) < 0.0:
         low, high = high, 1.5 * high + step
-    return float(brentq(excess, low, high, xtol=1e-9 * step, rtol=1e-6))
+    h = float(brentq(excess, low, high, xtol=1e-9 * step, rtol=1e-6))
+    if rough is None:
+        return h
+    exact, slope = _log_excess(run_length, arl0), (excess(1.02 * h) - excess(h)) / (0.02 * h)
+    for _ in range(_CORRECTIONS):
+        missed = exact(h)
+        h = max(h - missed / slope, 0.5 * h)
+        if abs(missed) < 1e-3:  # what is left is of the order of its square
+            break
+    return h
+
+
+def _log_excess(run_length: Callable[[float], float], arl0: float) -> Callable[[float], float]:
+    """ln(run length / arl0) as a function of h."""
+
+    def excess(h: float) -> float:
+        try:
+            length = run_length(h)
+        except ArithmeticError:  # not resolved: far beyond what was asked for
+            length = LONGEST**2
+        return log(max(length, 1.0)) - log(arl0)
+
+    return excess
 
 
 def samples_between(false_alarms_per_hour: float, rate: float) -> float:
