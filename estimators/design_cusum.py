@@ -30,7 +30,7 @@ from estimators.detectors import (
     wald_run_length,
 )
 from estimators.detectors.detector import check_number
-from estimators.report import write_json
+from estimators.whole_file import check_writable, write_json
 
 NAME = "design-cusum"
 
@@ -125,7 +125,7 @@ def print_design(console: Console, result: dict[str, Any], unused_drift: float |
     table.add_column("value", justify="right")
     for name, value in result.items():
         if isinstance(value, float):
-            table.add_row(name, f"{value:.6g}")
+            table.add_row(name, f"{value:.5g}")
     console.print(table)
     if result["threshold"] == 0.0 and result["arl0"] > result["asked_arl0"]:
         console.print(
@@ -140,6 +140,8 @@ def print_design(console: Console, result: dict[str, Any], unused_drift: float |
 def run(arguments: Sequence[str], console: Console) -> None:
     """Design, print, write. ValueError or OSError with one line when that is not possible."""
     options = parser().parse_args(arguments)
+    if options.json:
+        check_writable(options.json)
     found = design(options)
     result = document(found, options)
     print_design(console, result, options.drift if options.variance is not None else None)

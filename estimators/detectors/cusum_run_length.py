@@ -20,7 +20,7 @@ from scipy.special import ndtr
 from estimators.detectors.absorption import SIZES, legendre, mean_steps, size_above
 from estimators.detectors.increments import Increments, normal_density
 
-AGREE = 1e-5  # relative, of two successive extrapolations; the last is about four times as good
+AGREE = 5e-5  # relative, of two successive extrapolations; the last is about four times as good
 ROUGHLY = 0.03  # the same, for the first steps of a search
 CLOSE = 5e-3  # the same, at the finest cells: else the result is refused
 _MOST_CELLS = 2048

@@ -26,7 +26,7 @@ from estimators.detectors.detector import Detector, RunLength, both_sides, check
 from estimators.detectors.increments import Filtered
 from estimators.detectors.simulate import simulated_run_length
 
-SIMULATED = 3e4  # samples: longer run lengths of several channels are extrapolated
+SIMULATED = 1e4  # samples: longer run lengths of several channels are extrapolated
 ALARMS = 10000  # of a simulation: 2 % (95 %)
 
 

@@ -20,7 +20,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from estimators.compiled import compiled, inlined
+from estimators.compiled import inlined
 
 CUSUM, CUSUM_SQUARE, EWMA, GLR, LOCAL_CUSUM, INTEGRATOR = range(6)
 LARGEST = 1e100  # a finite sample beyond counts as this, so that its square and sums of it stay finite
@@ -30,10 +30,9 @@ Array = NDArray[np.float64]
 
 @inlined
 def _cusum(numbers: Array, state: Array, x: float) -> float:
-    if numbers[0] > 0.0:
-        state[0] = max(state[0] + x - numbers[2], 0.0)
-    if numbers[1] > 0.0:
-        state[1] = max(state[1] - x - numbers[3], 0.0)
+    up, down = state[0] + x - numbers[2], state[1] - x - numbers[3]
+    state[0] = up if up > 0.0 and numbers[0] > 0.0 else 0.0
+    state[1] = down if down > 0.0 and numbers[1] > 0.0 else 0.0
     return max(state[0], state[1])
 
 
@@ -85,7 +84,7 @@ def _integrator(numbers: Array, state: Array, x: float) -> float:
     return max(numbers[0] * state[0], -numbers[1] * state[0], 0.0)
 
 
-@compiled
+@inlined
 def advance(kind: int, numbers: Array, state: Array, x: float) -> float:
     """The statistic after the finite sample x; `state` is changed."""
     x = min(max(x, -LARGEST), LARGEST)
