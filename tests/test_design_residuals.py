@@ -9,6 +9,7 @@ from scipy.signal import lfilter
 
 from estimators.detectors import (
     CusumMean,
+    LocalCusum,
     Monitor,
     Whitener,
     WhiteningFilter,
@@ -16,6 +17,7 @@ from estimators.detectors import (
     empirical_threshold,
     fit_whitener,
     poisson_interval,
+    simulated_run_length,
 )
 
 
@@ -98,6 +100,14 @@ def test_heavy_tails_break_a_gaussian_design_and_a_record_mends_it() -> None:
     assert found.arl0.method == "record"
     assert found.arl0.low * 0.9 < reached < found.arl0.high * 1.1  # 10 %: 500 alarms in the fresh record
     assert found.arl0.low < arl0 < found.arl0.high
+
+
+def test_several_local_cusums_take_their_thresholds_from_a_record_by_one_factor() -> None:
+    base = LocalCusum((2.0, np.inf), (0.5, 0.5), (4.0, 5.0), "both")
+    found = empirical_threshold(np.random.default_rng(10).standard_normal(200_000), base.scaled, 1000.0)
+    seen = simulated_run_length(base.scaled(found.threshold), alarms=1000, seed=4)
+    assert found.arl0.low < seen.high
+    assert found.arl0.high > seen.low
 
 
 def test_a_short_record_is_extrapolated_with_an_interval() -> None:

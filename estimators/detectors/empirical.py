@@ -24,6 +24,7 @@ from estimators.detectors.loops import intervals
 
 ENOUGH = 20
 MANY = 400
+LEAST = 1e-9  # threshold: some kinds have none at 0
 FARTHEST = 1000.0  # times the record's own reach, beyond which no tail is trusted
 
 
@@ -72,13 +73,11 @@ def empirical_threshold(x: ArrayLike, detector_at: Callable[[float], Detector], 
 
 
 def _threshold_with(x: NDArray[np.float64], detector_at: Callable[[float], Detector], alarms: float) -> float:
-    """The least threshold with at most so many alarms, 0 if that has fewer already."""
-    if count_alarms(detector_at(0.0), x) <= alarms:
-        return 0.0
+    """The least threshold with at most so many alarms, `LEAST` if that has fewer already."""
     low, high = 0.0, 1.0
     while count_alarms(detector_at(high), x) > alarms:
         low, high = high, 2.0 * high
-    while high - low > 1e-6 * high:
+    while high - low > 1e-6 * high and high > LEAST:
         middle = 0.5 * (low + high)
         low, high = (middle, high) if count_alarms(detector_at(middle), x) > alarms else (low, middle)
     return high
