@@ -54,8 +54,7 @@ def short_simulations(monkeypatch: pytest.MonkeyPatch) -> None:
     """Of the designs: 3.6 % (95 %) for 2 %, and extrapolation from 1500 samples on."""
     for kind in ("glr", "local_cusum"):
         monkeypatch.setattr(f"estimators.detectors.{kind}.ALARMS", 3000)
-    for module in ("design", "local_cusum"):
-        monkeypatch.setattr(f"estimators.detectors.{module}.SIMULATED", 1500.0)
+    monkeypatch.setattr("estimators.detectors.local_cusum.SIMULATED", 1500.0)
 
 
 def assert_agree(said: RunLength, seen: RunLength) -> None:

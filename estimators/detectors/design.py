@@ -22,7 +22,7 @@ from estimators.detectors.detector import Detector, RunLength, check_number
 from estimators.detectors.ewma import LONGEST_MEMORY, Ewma
 from estimators.detectors.glr import LONGEST_WINDOW, Glr
 from estimators.detectors.integrator import Integrator
-from estimators.detectors.local_cusum import SIMULATED, LocalCusum, channel_run_length
+from estimators.detectors.local_cusum import LocalCusum, channel_run_length
 from estimators.detectors.threshold import check_run_length, threshold_for
 
 PERIODS = (1, 2, 4, 8, 16, 32, 64, 128, 256)  # tried for an integrator
@@ -152,7 +152,7 @@ def design_local_cusum(
     channels = len(limits)
     detector = with_each(arl0)
     if channels > 1:
-        trial = with_each(channels * min(arl0, SIMULATED))
+        trial = with_each(channels * arl0)
         share = trial.average_run_length().mean / trial.bounds()[0]
         detector = with_each(max(arl0, channels * arl0 / share))
     return _shifted(detector, shift)

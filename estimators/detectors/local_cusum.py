@@ -7,7 +7,8 @@ threshold: alarm above 1.
 
 Run length of one channel: exact, by the integral equation with the atom that the filter puts at 0. Of several: between
 1 / sum(1 / L_c), as if they alarmed independently, and the smallest L_c; measured by simulation up to `SIMULATED`
-samples, and beyond with the ratio to the lower bound that is measured there, at thresholds all lowered by one factor.
+samples. Beyond, the ratio to the lower bound is measured twice, at thresholds all lowered by one factor, and its excess
+over 1 extrapolated as a power of the run length: rarer alarms coincide more rarely.
 """
 
 from __future__ import annotations
@@ -27,6 +28,7 @@ from estimators.detectors.increments import Filtered
 from estimators.detectors.simulate import simulated_run_length
 
 SIMULATED = 1e4  # samples: longer run lengths of several channels are extrapolated
+_SHARES = (0.05, 0.7)  # of `SIMULATED`, where a ratio to extrapolate is measured
 ALARMS = 10000  # of a simulation: 2 % (95 %)
 
 
@@ -80,9 +82,9 @@ class LocalCusum(Detector):
             return RunLength.exact(least)
         if least <= SIMULATED:
             return simulated_run_length(self, mean, std, ALARMS)
-        easier = self.scaled(self._factor_to_simulate(mean, std))
-        at_easier = simulated_run_length(easier, mean, std, ALARMS)
-        ratio = at_easier.mean / easier.bounds(mean, std)[0]
+        (short, excess_short), (long, excess) = (self._excess(SIMULATED * s, mean, std) for s in _SHARES)
+        decay = log(max(excess_short / excess, 1.0)) / log(long / short) if excess > 0.0 else 0.0
+        ratio = 1.0 + max(excess, 0.0) * (long / least) ** decay
         return RunLength(min(least * ratio, most), least, most, "simulation, extrapolated")
 
     def bounds(self, mean: float = 0.0, std: float = 1.0) -> tuple[float, float]:
@@ -97,10 +99,12 @@ class LocalCusum(Detector):
         """The same with all thresholds times a factor."""
         return LocalCusum(self.limits, self.drifts, tuple(factor * h for h in self.thresholds), self.sides)
 
-    def _factor_to_simulate(self, mean: float, std: float) -> float:
-        return float(
-            brentq(lambda f: log(self.scaled(f).bounds(mean, std)[0]) - log(0.7 * SIMULATED), 0.01, 1.0, rtol=1e-2)
-        )
+    def _excess(self, length: float, mean: float, std: float) -> tuple[float, float]:
+        """With thresholds lowered to a lower bound of about `length`: that bound, and by what share it is passed."""
+        factor = brentq(lambda f: log(self.scaled(f).bounds(mean, std)[0] / length), 0.01, 1.0, rtol=1e-2)
+        easier = self.scaled(float(factor))
+        bound = easier.bounds(mean, std)[0]
+        return bound, simulated_run_length(easier, mean, std, ALARMS).mean / bound - 1.0
 
 
 def channel_run_length(
