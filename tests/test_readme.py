@@ -9,6 +9,8 @@ from pathlib import Path
 import pytest
 
 from estimators.__main__ import main as estimate
+from estimators.design_cusum import parser as design_parser
+from estimators.detectors import Detector
 from testbed.arguments import drive_parser
 from testbed.drive import main as drive
 from testbed.manoeuvres.manoeuvre import manoeuvres
@@ -17,7 +19,8 @@ ROOT = Path(__file__).resolve().parents[1]
 README = (ROOT / "README.md").read_text()
 COMMANDS = re.findall(r"^\$ (.+)$", README, re.MULTILINE)
 DRIVES = [c for c in COMMANDS if c.startswith("python -m testbed.drive")]
-LOGS = [c for c in COMMANDS if c.startswith("python -m estimators")]
+LOGS = [c for c in COMMANDS if c.startswith("python -m estimators") and " design-cusum " not in c]
+DESIGNS = [c for c in COMMANDS if c.startswith("python -m estimators design-cusum ")]
 
 
 def _options_in(text: str) -> set[str]:
@@ -64,6 +67,21 @@ def test_readme_estimators_run(command, tmp_path, monkeypatch, capsys):
         monkeypatch.chdir(ROOT)
     assert estimate(words) == 0
     assert "wheel_radius" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("command", DESIGNS)
+def test_readme_design_prints_what_is_shown(command, capsys):
+    assert estimate(shlex.split(command)[3:]) == 0
+    printed = capsys.readouterr().out
+    assert f"$ {command}\n{printed}" in README
+
+
+def test_readme_lists_every_kind_of_detector_and_the_options_of_its_design():
+    section = README[README.index("## Detectors") : README.index("## How to add")]
+    rows = re.findall(r"^\| `(\w+)`", section, re.MULTILINE)
+    assert set(rows) == {kind.__name__ for kind in Detector.__subclasses__()}
+    known = {name for action in design_parser()._actions for name in action.option_strings}
+    assert set(re.findall(r"--[a-z][a-z0-9-]+", section)) <= known
 
 
 def test_files_that_the_readme_names_exist():
