@@ -185,8 +185,10 @@ def drive_parser() -> Parser:
     add("--driven", default=defaults.driven, help=f"driven axle: {' or '.join(DRIVEN)} (default %(default)s)")
     add("--ambient", default="20", help="air temperature in Celsius, -40 to 60 (default %(default)s)")
     add("--seed", default="0", help="of road and sensors (default %(default)s)")
+    add("--car-seed", help="of what differs from one sensor to the next of its kind (default: as --seed)")
     add("--sensors", metavar="FILE", help='JSON that overrides sensor settings, such as {"imu/gyro": {"noise": 0.001}}')
     add("--estimators", metavar="NAMES", help="by commas; default all; none for no estimator")
+    add("--calibration", metavar="FILE", help="start from what the estimators learnt: the --json of an earlier drive")
     add("--scenario", metavar="FILE", help="JSON of a saved scenario; the other options of the drive are then not read")
     add("--out", metavar="FILE.rrd", help="the recording (default recordings/ROAD.rrd)")
     add("--json", metavar="FILE", help="write every figure of the table, and more, as JSON")
@@ -201,11 +203,11 @@ def _position(text: str) -> tuple[float, float, float]:
     return parts[0], parts[1], parts[2]
 
 
-def _seed(text: str) -> int:
+def _seed(text: str, option: str = "--seed") -> int:
     try:
         return int(text)
     except ValueError:
-        raise ValueError(f"--seed {text!r}: want a whole number of 0 or more") from None
+        raise ValueError(f"{option} {text!r}: want a whole number of 0 or more") from None
 
 
 def read_json(path: str, what: str) -> dict:
@@ -223,7 +225,7 @@ def read_json(path: str, what: str) -> dict:
 
 def scenario_of(options: argparse.Namespace) -> Scenario:
     """The scenario that the options mean. ValueError with one line that names the bad value and the valid ones."""
-    for name in ("scenario", "sensors", "out", "json"):
+    for name in ("scenario", "sensors", "calibration", "out", "json"):
         if getattr(options, name) == "":
             raise ValueError(f"--{name} '': want the name of a file")
     if options.scenario:
@@ -241,6 +243,7 @@ def scenario_of(options: argparse.Namespace) -> Scenario:
         manoeuvre=options.manoeuvre,
         tyre=options.tyre,
         seed=_seed(options.seed),
+        car_seed=_seed(options.car_seed, "--car-seed") if options.car_seed is not None else None,
         pressures={w: 1e3 * _number(v, "--pressure") for w, v in pressures.items()},
         leaks=_leaks(options.leak),
         pressure_sets=_pressure_sets(options.sets),

@@ -9,13 +9,14 @@ import logging
 import os
 import sys
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
+from estimators.report import read_calibration
 from estimators.whole_file import check_writable, write_json
 from testbed.arguments import RECORDINGS, drive_parser, scenario_of
 from testbed.scenario import Scenario
@@ -36,16 +37,21 @@ def drive(
     recording: Path | None,
     estimators: Sequence[str] | None = None,
     progress: Progress | None = None,
+    calibrations: Mapping[str, Mapping[str, Any]] | None = None,
 ) -> dict[str, Any]:
-    """Runs one drive. recording: path of the .rrd, None for none; estimators: names, None for all.
+    """Runs one drive. recording: path of the .rrd, None for none; estimators: names, None for all; calibrations: what
+    they learnt of this car before, by name.
 
     Returns the result as JSON values. Raises ValueError for a bad scenario or a drive that diverges, OSError when the
     recording cannot be written.
     """
-    from testbed.session import Session  # the estimators' and recorder's imports, after the arguments are known good
+    from testbed.session import (
+        Session,
+        Variant,
+    )  # the estimators' and recorder's imports, after the arguments are known good
 
     start = time.perf_counter()
-    session = Session(scenario, recording, estimators)
+    session = Session(scenario, recording, estimators, Variant(calibrations=calibrations))
     summary = Summary(session.simulation.element.law)
     task = progress.add_task(scenario.road, total=scenario.duration) if progress else None
     with session:
@@ -65,6 +71,7 @@ def drive(
         "recording": str(recording) if recording else None,
         "log": str(recording) if recording else None,
         "scenario": scenario.as_notes(),
+        "calibration": session.bank.calibrations(),
     }
     return result | summary.as_json()
 
@@ -90,6 +97,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
                 raise ValueError(f"--json {options.json}: is the recording; want another file")
             check_writable(Path(options.json))
         names = options.estimators.split(",") if options.estimators is not None else None
+        learnt = read_calibration(Path(options.calibration)) if options.calibration else None
         columns = (
             TextColumn("{task.description}"),
             BarColumn(),
@@ -97,7 +105,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             TimeRemainingColumn(),
         )
         with Progress(*columns, console=console, disable=options.quiet) as progress:
-            result = drive(scenario, recording, [] if names == ["none"] else names, progress)
+            result = drive(scenario, recording, [] if names == ["none"] else names, progress, learnt)
         if options.json:
             write_json(Path(options.json), result)
     except OSError as error:

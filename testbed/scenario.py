@@ -57,7 +57,8 @@ def _entries(name: str, kind: type[Entry], given: object) -> object:
 class Scenario:
     """road, manoeuvre, tyre: as on the command line. speed [m/s], duration [s], payload [kg] at payload_position [m]
     from the chassis' centre of gravity, pressures [Pa gauge] and radius_factor [-] by wheel, ambient [K], grade and
-    bank [-]."""
+    bank [-]. seed: of road and sensors; car_seed: of what differs from one sensor to the next of its kind, None: as
+    seed."""
 
     road: str = "C"
     speed: float = 80.0 / 3.6
@@ -65,6 +66,7 @@ class Scenario:
     manoeuvre: str = "constant"
     tyre: str = "suv-235-60r18"
     seed: int = 0
+    car_seed: int | None = None
     pressures: Mapping[str, float] = field(default_factory=dict)
     leaks: Mapping[str, Leak] = field(default_factory=dict)
     pressure_sets: Mapping[str, PressureSet] = field(default_factory=dict)
@@ -96,8 +98,9 @@ class Scenario:
         for value in (*by_wheel, *(v for entry in timed for v in dataclasses.astuple(entry))):
             if not _number(value):
                 raise ValueError(f"{value!r} of a wheel is not a number")
-        if not isinstance(self.seed, int) or isinstance(self.seed, bool) or not 0 <= self.seed < 2**63:
-            raise ValueError(f"seed {self.seed!r} is not valid; want a whole number from 0 to 2^63 - 1")
+        for name, seed in (("seed", self.seed), ("car_seed", self.seed if self.car_seed is None else self.car_seed)):
+            if not isinstance(seed, int) or isinstance(seed, bool) or not 0 <= seed < 2**63:
+                raise ValueError(f"{name} {seed!r} is not valid; want a whole number from 0 to 2^63 - 1")
         place = self.payload_position
         if len(place) != 3 or not all(_number(v) and abs(v) <= FARTHEST_LOAD for v in place):
             raise ValueError(f"payload position {list(place)} m: want x, y, z, each within +-{FARTHEST_LOAD:g} m")

@@ -61,6 +61,15 @@ def nominal_radius(vehicle: Vehicle, tyre: TyreProperties) -> float:
     return float(vertical.effective_rolling_radius(vertical.vertical_law(tyre), 80.0 / 3.6 / tyre.r0, fz, tyre.p0))
 
 
+def radius_sensitivity(tyre: TyreProperties) -> float:
+    """d ln(rolling radius) / d pressure at the tyre's nominal pressure, load and speed [1/Pa]."""
+    law, step = vertical.vertical_law(tyre), 0.01 * tyre.p0
+    low, high = (
+        vertical.effective_rolling_radius(law, tyre.v0 / tyre.r0, tyre.fz0, tyre.p0 + sign * step) for sign in (-1, 1)
+    )
+    return float(np.log(high / low) / (2.0 * step))
+
+
 class Simulation:
     """One drive. Everything random in it comes from the scenario's seed."""
 

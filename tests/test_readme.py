@@ -47,10 +47,14 @@ def test_readme_shows_the_two_commands_that_the_makefile_has():
 
 @pytest.mark.parametrize("command", DRIVES)
 def test_readme_drive_runs(command, tmp_path, monkeypatch):
-    """As typed, but two seconds of it, in a folder of its own."""
+    """As typed, but two seconds of it, in a folder of its own; a drive that learns for another one is driven whole."""
     monkeypatch.chdir(tmp_path)
     (tmp_path / "recordings").mkdir()
     words = shlex.split(command)[3:]
+    if "--calibration" in words:
+        learnt = words[words.index("--calibration") + 1]
+        before = next(c for c in DRIVES if f"--json {learnt}" in c)
+        assert drive([*shlex.split(before)[3:], "--quiet"]) == 0
     assert drive([*words, "--duration", "2", "--quiet"]) == 0
     assert list((tmp_path / "recordings").glob("*.rrd"))
 

@@ -51,16 +51,18 @@ class AnalogueSettings:
 class EncoderSettings:
     """A toothed ring and its Hall sensor: one edge a tooth.
 
-    teeth. pitch_error: rms deviation of the ring's pitches from their mean, in pitches. timer: resolution of the edge
-    times [s]. hysteresis: how far the ring turns back past an edge before the sensor switches back, in pitches.
-    missing, double: probability per edge that it is lost, that a false one follows it after `double_gap` [s], rounded
-    to whole ticks of the timer. delay [s].
+    teeth. jitter: std of the edge times [s], of the sensor's threshold in its noise (a constant 4 std of latency with
+    it, so that no edge comes early). pitch_error: rms deviation of the ring's pitches from their mean, in pitches.
+    timer: resolution of the edge times [s]. hysteresis: how far the ring turns back past an edge before the sensor
+    switches back, in pitches. missing, double: probability per edge that it is lost, that a false one follows it after
+    `double_gap` [s], rounded to whole ticks of the timer. delay [s].
     """
 
     teeth: int
     pitch_error: float
     timer: float
     hysteresis: float
+    jitter: float = 0.0
     missing: float = 0.0
     double: float = 0.0
     double_gap: float = 1e-4
