@@ -41,4 +41,4 @@ setup: .venv/kernels
 	touch $@
 
 clean:
-	rm -rf .venv recordings/*.rrd recordings/*.part
+	rm -rf .venv recordings/*.rrd recordings/*.json

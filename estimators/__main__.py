@@ -1,6 +1,7 @@
 """python -m estimators LOG [NAME ...]: the methods on any log, simulated or real; a table, alarms, JSON.
 
-Exit status 0 when an estimator could be run, 2 with one line on stderr when not.
+A first word that names a command (`COMMANDS`) runs that with the words after it instead. Exit status 0 when what was
+asked could be done, 2 with one line on stderr when not.
 """
 
 from __future__ import annotations
@@ -10,25 +11,22 @@ import sys
 from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
-from typing import NoReturn
 
 from rich.console import Console
 
+from estimators import design_cusum
+from estimators.arguments import Parser
 from estimators.car import Car
 from estimators.registry import registered
 from estimators.runner import Bank, run_bank
 
-
-class Parser(argparse.ArgumentParser):
-    """Bad arguments are a ValueError, like every other bad input."""
-
-    def error(self, message: str) -> NoReturn:
-        raise ValueError(f"{message}; --help lists the options")
+EPILOG = f"Instead of LOG a command with options of its own: {design_cusum.NAME}."
+COMMANDS = {design_cusum.NAME: design_cusum.run}
 
 
 def parser() -> Parser:
     """The command line."""
-    command = Parser(prog="python -m estimators", description="Run estimators on a drive log.")
+    command = Parser(prog="python -m estimators", description="Run estimators on a drive log.", epilog=EPILOG)
     add = command.add_argument
     add("log", nargs="?", type=Path, metavar="LOG", help="a .rrd recording, or a .csv or .mf4 log")
     add("names", nargs="*", metavar="NAME", help="estimators to run (default: all, see --list)")
@@ -43,7 +41,11 @@ def parser() -> Parser:
 def run_on_log(options: argparse.Namespace, console: Console) -> None:
     """Read, run, print, write. ValueError or OSError with one line when that is not possible."""
     from estimators.readers import read_log  # file formats are imported when a file is read
-    from estimators.report import document, print_report, read_calibration, read_json_object, usable_signals, write_json
+    from estimators.report import document, print_report, read_calibration, read_json_object, usable_signals
+    from estimators.whole_file import check_writable, write_json
+
+    if options.json:
+        check_writable(options.json)
 
     calibrations = read_calibration(options.calibration) if options.calibration else None
     log = read_log(options.log, options.column_map)
@@ -65,8 +67,12 @@ def run_on_log(options: argparse.Namespace, console: Console) -> None:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Exit status."""
     console = Console()
+    words = sys.argv[1:] if arguments is None else list(arguments)
     try:
-        options = parser().parse_intermixed_args(arguments)
+        if words and words[0] in COMMANDS:
+            COMMANDS[words[0]](words[1:], console)
+            return 0
+        options = parser().parse_intermixed_args(words)
         if options.list:
             for name, kind in registered().items():
                 console.print(f"{name}: reads {', '.join(kind.reads)}", highlight=False, soft_wrap=True)

@@ -105,6 +105,7 @@ class DriveLog(Mapping[str, Signal]):
         return (float(min(e[0] for e in ends)), float(max(e[1] for e in ends))) if ends else (0.0, 0.0)
 
     def visible(self) -> DriveLog:
-        """The log as an estimator may see it: nothing under `truth/`, and no earlier estimates or alarms."""
+        """The log as an estimator may see it: nothing under `truth/`, no earlier estimates or alarms, and of the notes
+        the car alone: a scenario tells the true pressures."""
         kept = {n: s for n, s in self.signals.items() if not n.startswith((HIDDEN, "est/", "alarm/"))}
-        return DriveLog(kept, self.notes)
+        return DriveLog(kept, {name: note for name, note in self.notes.items() if name == "car"})

@@ -26,10 +26,12 @@ _NANO = 1_000_000_000
 
 @dataclass(frozen=True)
 class Channel:
-    """One scalar of a signal: column of an (n, k) value, None for an (n,) value."""
+    """One scalar of a signal: column of an (n, k) value, None for an (n,) value. frozen_after: time [s] after which an
+    unchanged value other than zero is a stuck sensor's and refused."""
 
     signal: str
     column: int | None = None
+    frozen_after: float = np.inf
 
 
 @dataclass(frozen=True)
@@ -52,6 +54,7 @@ class Grid:
         self._intake = {channel.signal: Intake() for channel in channels}
         self._waiting: list[tuple[NDArray, NDArray]] = [(np.empty(0), np.empty(0)) for _ in channels]
         self._seen: list[float | None] = [None] * len(channels)
+        self._run = [(np.nan, 0.0)] * len(channels)  # value and beginning of the run that the last sample is in
         self._silent = [False] * len(channels)
         self._closed = -(1 << 62)  # first cell that is still open
         self._raised: dict[str, float] = {}
@@ -87,9 +90,25 @@ class Grid:
         finite = np.isfinite(column)
         complaints = [(float(t), f"{channel.signal}: not a finite number") for t in signal.time[good & ~finite]]
         kept = good & finite
+        frozen = self._frozen(i, channel, signal.time[kept], column[kept])
+        if frozen.any():
+            stuck = f"{channel.signal}: unchanged for {channel.frozen_after:g} s, taken for stuck"
+            complaints += [(float(t), stuck) for t in signal.time[kept][frozen]]
+            kept[np.flatnonzero(kept)[frozen]] = False
         time, value = self._waiting[i]
         self._waiting[i] = (np.concatenate([time, signal.time[kept]]), np.concatenate([value, column[kept]]))
         return complaints
+
+    def _frozen(self, i: int, channel: Channel, time: NDArray, value: NDArray) -> NDArray[np.bool_]:
+        """Which samples repeat a value other than zero for too long; remembers the run that the last one is in."""
+        if not len(value) or np.isinf(channel.frozen_after):
+            return np.zeros(len(value), dtype=bool)
+        last, since = self._run[i]
+        begins = np.concatenate([[value[0] != last], np.diff(value) != 0.0])
+        start = np.maximum.accumulate(np.where(begins, time, -np.inf))
+        start = np.where(np.isneginf(start), since, start)
+        self._run[i] = (float(value[-1]), float(start[-1]))
+        return (time - start > channel.frozen_after) & (value != 0.0)
 
     def close(self, until: float) -> tuple[Cells, list[Flag]]:
         """All cells that are complete at the clock `until` [s], in time order."""

@@ -79,17 +79,6 @@ def print_report(console: Console, result: Mapping[str, Any]) -> None:
             console.print("no alarms")
 
 
-def write_json(path: Path, result: Mapping[str, Any]) -> None:
-    """The file appears whole or not at all. OSError if it cannot be written."""
-    part = path.with_name(path.name + ".part")
-    try:
-        part.write_text(json.dumps(result, indent=1, allow_nan=False) + "\n")
-        part.replace(path)
-    except OSError:
-        part.unlink(missing_ok=True)
-        raise
-
-
 def read_json_object(path: Path) -> dict[str, Any]:
     """A JSON object from a file. ValueError in one line if there is none."""
     try:

@@ -13,6 +13,7 @@ from typing import Any, TypeVar
 
 GRAVITY = 9.81  # m/s^2
 AIR_DENSITY = 1.204  # kg/m^3 at 20 C and 101.3 kPa
+RIM_RADIUS = 0.2286  # m, 18 inch: the car's rims
 SUV = Path(__file__).with_name("suv.toml")
 
 
@@ -146,4 +147,22 @@ def load_vehicle(path: Path = SUV) -> Vehicle:
     missing = set(kinds) - set(data)
     if missing:
         raise ValueError(f"{path}: no section {', '.join(sorted(missing))}")
-    return Vehicle(**{name: _part(kind, data[name], f"{path.name} [{name}]") for name, kind in kinds.items()})
+    vehicle = Vehicle(**{name: _part(kind, data[name], f"{path.name} [{name}]") for name, kind in kinds.items()})
+    _check_inertia(vehicle, path.name)
+    return vehicle
+
+
+def _check_inertia(vehicle: Vehicle, where: str) -> None:
+    """ValueError for inertias that no body can have."""
+    body = vehicle.chassis
+    roll, pitch, yaw = body.roll_inertia, body.pitch_inertia, body.yaw_inertia
+    if not (roll <= pitch + yaw and pitch <= roll + yaw and yaw <= roll + pitch):
+        raise ValueError(
+            f"{where}: inertias {roll:g}, {pitch:g}, {yaw:g} kg m^2: none may exceed the sum of the others"
+        )
+    for axle in (vehicle.front, vehicle.rear):
+        if axle.spin_inertia > axle.rotating_mass * RIM_RADIUS**2:
+            raise ValueError(
+                f"{where}: spin_inertia {axle.spin_inertia:g} kg m^2 is more than {axle.rotating_mass:g} kg within "
+                f"{RIM_RADIUS:g} m can have"
+            )

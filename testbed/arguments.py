@@ -8,6 +8,8 @@ from __future__ import annotations
 import argparse
 import json
 import math
+import re
+import sys
 from collections.abc import Iterable
 from pathlib import Path
 from typing import NoReturn
@@ -21,8 +23,27 @@ KELVIN = 273.15
 RECORDINGS = Path("recordings")
 
 
+# option -> lowest, highest value and unit, as typed
+LIMITS = {
+    "--speed": (0.0, 200.0, "km/h"),
+    "--duration": (0.01, 86400.0, "s"),
+    "--load": (0.0, 1000.0, "kg"),
+    "--grade": (-30.0, 30.0, "%"),
+    "--bank": (-20.0, 20.0, "%"),
+    "--ambient": (-40.0, 60.0, "Celsius"),
+}
+
+
 class Parser(argparse.ArgumentParser):
     """argparse whose complaint is one line."""
+
+    def parse_args(self, args=None, namespace=None):
+        """As argparse, but a value may begin with a minus: `--load-position -0.8,0,0`."""
+        words = list(sys.argv[1:] if args is None else args)
+        for i in range(len(words) - 1, 0, -1):
+            if re.match(r"-[\d.]", words[i]) and re.fullmatch(r"--[a-z-]+", words[i - 1]):
+                words[i - 1 : i + 1] = [f"{words[i - 1]}={words[i]}"]
+        return super().parse_args(words, namespace)
 
     def error(self, message: str) -> NoReturn:
         self.exit(2, f"{self.prog}: {message}\n")
@@ -38,16 +59,31 @@ def _number(text: str, what: str) -> float:
     return value
 
 
+def _quantity(option: str, text: str) -> float:
+    """A number as typed, within its limits."""
+    value = _number(text, option)
+    low, high, unit = LIMITS[option]
+    if not low <= value <= high:
+        raise ValueError(f"{option} {text} {unit} is out of range; valid: {low:g} to {high:g} {unit}")
+    return value
+
+
 def _wheel_values(items: Iterable[str], option: str, form: str) -> dict[str, str]:
-    """`fl=180` or `all=180`, several by commas or by repeating the option, as wheel -> text."""
+    """`fl=180` or `all=180`, several by commas or by repeating the option, as wheel -> text. A wheel of its own comes
+    before `all`; the same twice is a mistake."""
     values: dict[str, str] = {}
+    named: set[str] = set()
     for item in [part for text in items for part in text.split(",")]:
         wheel, equals, value = item.partition("=")
         if not equals or not value:
             raise ValueError(f"{option} {item!r}: want {form}")
         if wheel not in (*WHEELS, "all"):
             raise ValueError(f"{option} {item!r}: unknown wheel {wheel!r}; valid: {', '.join(WHEELS)}, all")
-        values.update(dict.fromkeys(WHEELS if wheel == "all" else (wheel,), value))
+        if wheel in named:
+            raise ValueError(f"{option} {item!r}: {wheel} is given twice")
+        named.add(wheel)
+        fresh = [w for w in WHEELS if w not in named] if wheel == "all" else [wheel]
+        values.update(dict.fromkeys(fresh, value))
     return values
 
 
@@ -90,14 +126,14 @@ def drive_parser() -> Parser:
         "file .crg or a profile .txt with x z (default %(default)s)",
     )
     add("--speed", default="80", help="km/h, 0 to 200 (default %(default)s)")
-    add("--duration", default="60", help="s (default %(default)s)")
+    add("--duration", default="60", help="s, 0.01 to 86400 (default %(default)s)")
     add("--manoeuvre", default=defaults.manoeuvre, help="one of those below (default %(default)s)")
     add(
         "--pressure",
         action="append",
         default=[],
         metavar="WHEEL=KPA",
-        help="gauge pressure at the start in kPa, such as fl=180 or all=200; 0 is a flat tyre",
+        help="gauge pressure at the start in kPa, 0 (a flat tyre) to 500, such as fl=180 or all=200",
     )
     add(
         "--leak",
@@ -119,7 +155,7 @@ def drive_parser() -> Parser:
     add(
         "--load-position",
         default="-0.6,0,0",
-        help="its centre x,y,z from the chassis' centre of gravity in m (default %(default)s)",
+        help="its centre x,y,z from the chassis' centre of gravity in m, each within 3 (default %(default)s)",
     )
     add(
         "--tyre",
@@ -131,15 +167,15 @@ def drive_parser() -> Parser:
         action="append",
         default=[],
         metavar="WHEEL=PERCENT",
-        help="a tyre's radius off nominal in per cent, such as rl=-0.3 (wear, spread of new tyres)",
+        help="a tyre's radius off nominal in per cent, within 10, such as rl=-0.3 (wear, spread of new tyres)",
     )
     add(
         "--friction",
         default=defaults.friction,
         help="0.9, left/right 0.9/0.3, or along the road 0.9:100,0.9/0.2:50 (m)",
     )
-    add("--grade", default="0", help="rise of the road in per cent (default %(default)s)")
-    add("--bank", default="0", help="cross slope in per cent, left side up (default %(default)s)")
+    add("--grade", default="0", help="rise of the road in per cent, -30 to 30 (default %(default)s)")
+    add("--bank", default="0", help="cross slope in per cent, left side up, -20 to 20 (default %(default)s)")
     add(
         "--obstacle",
         action="append",
@@ -147,10 +183,12 @@ def drive_parser() -> Parser:
         help="cleat@50:height=20,length=30,side=left (m, then mm) or pothole@80:depth=60,length=400,side=right",
     )
     add("--driven", default=defaults.driven, help=f"driven axle: {' or '.join(DRIVEN)} (default %(default)s)")
-    add("--ambient", default="20", help="air temperature in Celsius (default %(default)s)")
+    add("--ambient", default="20", help="air temperature in Celsius, -40 to 60 (default %(default)s)")
     add("--seed", default="0", help="of road and sensors (default %(default)s)")
+    add("--car-seed", help="of what differs from one sensor to the next of its kind (default: as --seed)")
     add("--sensors", metavar="FILE", help='JSON that overrides sensor settings, such as {"imu/gyro": {"noise": 0.001}}')
-    add("--estimators", default="", metavar="NAMES", help="by commas; default all; none for no estimator")
+    add("--estimators", metavar="NAMES", help="by commas; default all; none for no estimator")
+    add("--calibration", metavar="FILE", help="start from what the estimators learnt: the --json of an earlier drive")
     add("--scenario", metavar="FILE", help="JSON of a saved scenario; the other options of the drive are then not read")
     add("--out", metavar="FILE.rrd", help="the recording (default recordings/ROAD.rrd)")
     add("--json", metavar="FILE", help="write every figure of the table, and more, as JSON")
@@ -165,11 +203,11 @@ def _position(text: str) -> tuple[float, float, float]:
     return parts[0], parts[1], parts[2]
 
 
-def _seed(text: str) -> int:
+def _seed(text: str, option: str = "--seed") -> int:
     try:
         return int(text)
     except ValueError:
-        raise ValueError(f"--seed {text!r}: want a whole number of 0 or more") from None
+        raise ValueError(f"{option} {text!r}: want a whole number of 0 or more") from None
 
 
 def read_json(path: str, what: str) -> dict:
@@ -187,6 +225,9 @@ def read_json(path: str, what: str) -> dict:
 
 def scenario_of(options: argparse.Namespace) -> Scenario:
     """The scenario that the options mean. ValueError with one line that names the bad value and the valid ones."""
+    for name in ("scenario", "sensors", "calibration", "out", "json"):
+        if getattr(options, name) == "":
+            raise ValueError(f"--{name} '': want the name of a file")
     if options.scenario:
         content = read_json(options.scenario, "--scenario")
         try:
@@ -195,30 +236,25 @@ def scenario_of(options: argparse.Namespace) -> Scenario:
             raise ValueError(f"--scenario {options.scenario}: {error}") from None
     pressures = _wheel_values(options.pressure, "--pressure", "WHEEL=KPA, such as fl=180")
     radii = _wheel_values(options.radius, "--radius", "WHEEL=PERCENT, such as rl=-0.3")
-    speed = _number(options.speed, "--speed")
-    if not 0.0 <= speed <= 200.0:
-        raise ValueError(f"--speed {options.speed} km/h is out of range; valid: 0 to 200 km/h")
-    duration = _number(options.duration, "--duration")
-    if not 0.01 <= duration <= 86400.0:
-        raise ValueError(f"--duration {options.duration} s is out of range; valid: 0.01 to 86400 s")
     return Scenario(
         road=options.road,
-        speed=speed / 3.6,
-        duration=duration,
+        speed=_quantity("--speed", options.speed) / 3.6,
+        duration=_quantity("--duration", options.duration),
         manoeuvre=options.manoeuvre,
         tyre=options.tyre,
         seed=_seed(options.seed),
+        car_seed=_seed(options.car_seed, "--car-seed") if options.car_seed is not None else None,
         pressures={w: 1e3 * _number(v, "--pressure") for w, v in pressures.items()},
         leaks=_leaks(options.leak),
         pressure_sets=_pressure_sets(options.sets),
         radius_factor={w: 1.0 + 0.01 * _number(v, "--radius") for w, v in radii.items()},
-        payload=_number(options.load, "--load"),
+        payload=_quantity("--load", options.load),
         payload_position=_position(options.load_position),
         friction=options.friction,
-        grade=0.01 * _number(options.grade, "--grade"),
-        bank=0.01 * _number(options.bank, "--bank"),
+        grade=0.01 * _quantity("--grade", options.grade),
+        bank=0.01 * _quantity("--bank", options.bank),
         obstacles=tuple(options.obstacle),
         driven=options.driven,
-        ambient=_number(options.ambient, "--ambient") + KELVIN,
+        ambient=round(_quantity("--ambient", options.ambient) + KELVIN, 9),
         sensors=read_json(options.sensors, "--sensors") if options.sensors else {},
     )

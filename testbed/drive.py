@@ -5,8 +5,6 @@ Scenario -> simulation -> sensors -> estimators, second by second, all into the 
 
 from __future__ import annotations
 
-import errno
-import json
 import logging
 import os
 import sys
@@ -18,9 +16,13 @@ from typing import Any
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
+from estimators.report import read_calibration
+from estimators.whole_file import check_writable, write_json
 from testbed.arguments import RECORDINGS, drive_parser, scenario_of
 from testbed.scenario import Scenario
 from testbed.summary import Summary, print_summary
+
+INTERRUPTED = 130  # exit status of a program that Ctrl-C ended
 
 
 def default_recording(scenario: Scenario) -> Path:
@@ -35,16 +37,21 @@ def drive(
     recording: Path | None,
     estimators: Sequence[str] | None = None,
     progress: Progress | None = None,
+    calibrations: Mapping[str, Mapping[str, Any]] | None = None,
 ) -> dict[str, Any]:
-    """Runs one drive. recording: path of the .rrd, None for none; estimators: names, None for all.
+    """Runs one drive. recording: path of the .rrd, None for none; estimators: names, None for all; calibrations: what
+    they learnt of this car before, by name.
 
     Returns the result as JSON values. Raises ValueError for a bad scenario or a drive that diverges, OSError when the
     recording cannot be written.
     """
-    from testbed.session import Session  # the estimators' and recorder's imports, after the arguments are known good
+    from testbed.session import (
+        Session,
+        Variant,
+    )  # the estimators' and recorder's imports, after the arguments are known good
 
     start = time.perf_counter()
-    session = Session(scenario, recording, estimators)
+    session = Session(scenario, recording, estimators, Variant(calibrations=calibrations))
     summary = Summary(session.simulation.element.law)
     task = progress.add_task(scenario.road, total=scenario.duration) if progress else None
     with session:
@@ -64,28 +71,9 @@ def drive(
         "recording": str(recording) if recording else None,
         "log": str(recording) if recording else None,
         "scenario": scenario.as_notes(),
+        "calibration": session.bank.calibrations(),
     }
     return result | summary.as_json()
-
-
-def write_json(path: Path, content: Mapping[str, Any]) -> None:
-    """The file appears whole or not at all."""
-    part = path.with_name(path.name + ".part")
-    try:
-        part.write_text(json.dumps(content, indent=1, allow_nan=False) + "\n")
-        part.replace(path)
-    except OSError:
-        part.unlink(missing_ok=True)
-        raise
-
-
-def _check_writable(path: Path) -> None:
-    """OSError for a file that cannot be written: better told before the drive than after it."""
-    if path.is_dir():
-        raise IsADirectoryError(errno.EISDIR, "is a folder, want a file name", str(path))
-    part = path.with_name(path.name + ".part")
-    part.touch()
-    part.unlink()
 
 
 def _complain(message: str) -> int:
@@ -94,19 +82,22 @@ def _complain(message: str) -> int:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Exit status: 0 done, 2 bad input or a file that cannot be written (one line on stderr says which)."""
+    """Exit status: 0 done, 2 bad input or a file that cannot be written, 130 interrupted (one line on stderr says
+    which)."""
     options = drive_parser().parse_args(arguments)
     console = Console(stderr=False, quiet=options.quiet)
     logging.getLogger("absl").setLevel(logging.ERROR)  # MuJoCo's warning of a drive that diverges: told below
     os.environ.setdefault("RUST_LOG", "error")  # rerun's warning of a full disk: told below
+    recording: Path | None = None
     try:
         scenario = scenario_of(options)
         recording = Path(options.out) if options.out else default_recording(scenario)
         if options.json:
-            _check_writable(Path(options.json))
-        if not options.out:
-            recording.parent.mkdir(exist_ok=True)
-        names = [n for n in options.estimators.split(",") if n] if options.estimators else None
+            if Path(options.json).resolve() == recording.resolve():
+                raise ValueError(f"--json {options.json}: is the recording; want another file")
+            check_writable(Path(options.json))
+        names = options.estimators.split(",") if options.estimators is not None else None
+        learnt = read_calibration(Path(options.calibration)) if options.calibration else None
         columns = (
             TextColumn("{task.description}"),
             BarColumn(),
@@ -114,13 +105,17 @@ def main(arguments: Sequence[str] | None = None) -> int:
             TimeRemainingColumn(),
         )
         with Progress(*columns, console=console, disable=options.quiet) as progress:
-            result = drive(scenario, recording, [] if names == ["none"] else names, progress)
+            result = drive(scenario, recording, [] if names == ["none"] else names, progress, learnt)
         if options.json:
             write_json(Path(options.json), result)
     except OSError as error:
         return _complain(f"{error.filename}: {error.strerror}" if error.filename else str(error))
     except ValueError as error:
         return _complain(str(error))
+    except KeyboardInterrupt:
+        part = recording.with_suffix(".part.rrd") if recording else None
+        _complain(f"interrupted; what was recorded is in {part}" if part and part.exists() else "interrupted")
+        return INTERRUPTED
     if not options.quiet:
         print_summary(console, result)
         console.print(f"{result['realtime_factor']:.0f} times real time; recording {result['recording']}")

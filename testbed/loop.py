@@ -167,7 +167,7 @@ def _wheel(w, views, ix, c, s, heights, origin, row, centre, velocity, axis, wre
     friction = friction_at(centre[0], centre[1], c.friction_edges, c.friction_left, c.friction_right)
     rim_load = wheel_forces(
         c.tyre, heights, origin, s.tyres[w], s.outputs[w], wrench, centre, centre[2] - views.xpos[rim, 2], velocity,
-        spin, axis, s.gas[w, PRESSURE], c.radius_factor[w], friction, side, c.step,
+        views.cvel[belt], spin, axis, s.gas[w, PRESSURE], c.radius_factor[w], friction, side, c.step,
     )  # fmt: skip
     for i in range(6):
         views.xfrc[belt, i] = wrench[i]
@@ -216,7 +216,7 @@ def _chassis(views, ix, c, s, time, row):
     views.xfrc[ix.chassis, 1] = -air * vy
     s.work[_AIR] += air * (vx * vx + vy * vy) * c.step
     cos_heading, sin_heading = views.xmat[ix.chassis, 0], views.xmat[ix.chassis, 3]
-    speed = vx * cos_heading + vy * sin_heading
+    speed = vx * cos_heading + vy * sin_heading + views.qvel[2] * views.xmat[ix.chassis, 6]
     heading = math.atan2(sin_heading, cos_heading)
     angle = steer(c.driver, c.plan, s.driver, views.qpos[0], views.qpos[1], heading, speed, c.step)
     left, right = ackermann(c.driver, angle)

@@ -116,7 +116,8 @@ def modes(simulation: Simulation) -> list[Mode]:
 
 
 def rotational_modes(simulation: Simulation) -> dict[str, dict[str, Mode]]:
-    """`in_phase` and `antiphase` by axle, `front` and `rear`: of each kind the least damped one of the axle's pair."""
+    """`in_phase` and `antiphase` by axle, `front` and `rear`: of each kind the lowest that has half of its energy in
+    the turning of rims and belts (a higher one is the belt's fore-aft mode, which turns with it)."""
     nv_of = {
         name: [int(simulation.model.joint(f"{w}/{name}").dofadr[0]) for w in WHEELS] for name in ("spin", "belt_spin")
     }
@@ -129,6 +130,5 @@ def rotational_modes(simulation: Simulation) -> dict[str, dict[str, Mode]]:
                 continue
             together = sum(np.real(mode.shape[r] * np.conj(mode.shape[b])) for r, b in zip(spins, belts, strict=True))
             kind = "in_phase" if together > 0.0 else "antiphase"
-            if kind not in result[axle] or mode.damping < result[axle][kind].damping:
-                result[axle][kind] = mode
+            result[axle].setdefault(kind, mode)  # modes come in order of frequency
     return result

@@ -8,9 +8,9 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, TypeVar
 
 from estimators.drive_log import WHEELS
 from testbed.tyre.inflation import Leak, PressureSet
@@ -32,19 +32,33 @@ RANGES = (
 PRESSURE_RANGE = (0.0, 500e3)  # Pa, gauge
 FARTHEST_LOAD = 3.0  # m from the chassis' centre of gravity, along each axis
 SENSOR_STEP = 1e-3  # s of the grid on which the sensors are fed: a whole number of steps
+Entry = TypeVar("Entry", Leak, PressureSet)
 TEXTS = ("road", "manoeuvre", "tyre", "friction", "driven")
 MAPPINGS = ("pressures", "leaks", "pressure_sets", "radius_factor", "sensors")
 
 
 def _number(value: object) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool)
+    """Whether it is a number of a size that any field could have."""
+    return isinstance(value, int | float) and not isinstance(value, bool) and not abs(value) > 1e15
+
+
+def _entries(name: str, kind: type[Entry], given: object) -> object:
+    """Leaks or pressure sets of saved notes; what is no mapping is left for the scenario's own check."""
+    if not isinstance(given, Mapping):
+        return given
+    wanted = {f.name for f in dataclasses.fields(kind)}
+    for wheel, entry in given.items():
+        if not isinstance(entry, Mapping) or not set(entry) <= wanted:
+            raise ValueError(f"{name} of {wheel} is {entry!r}, want {', '.join(sorted(wanted))}")
+    return {wheel: kind(**entry) for wheel, entry in given.items()}
 
 
 @dataclass(frozen=True)
 class Scenario:
     """road, manoeuvre, tyre: as on the command line. speed [m/s], duration [s], payload [kg] at payload_position [m]
     from the chassis' centre of gravity, pressures [Pa gauge] and radius_factor [-] by wheel, ambient [K], grade and
-    bank [-]."""
+    bank [-]. seed: of road and sensors; car_seed: of what differs from one sensor to the next of its kind, None: as
+    seed."""
 
     road: str = "C"
     speed: float = 80.0 / 3.6
@@ -52,6 +66,7 @@ class Scenario:
     manoeuvre: str = "constant"
     tyre: str = "suv-235-60r18"
     seed: int = 0
+    car_seed: int | None = None
     pressures: Mapping[str, float] = field(default_factory=dict)
     leaks: Mapping[str, Leak] = field(default_factory=dict)
     pressure_sets: Mapping[str, PressureSet] = field(default_factory=dict)
@@ -83,8 +98,9 @@ class Scenario:
         for value in (*by_wheel, *(v for entry in timed for v in dataclasses.astuple(entry))):
             if not _number(value):
                 raise ValueError(f"{value!r} of a wheel is not a number")
-        if not isinstance(self.seed, int) or isinstance(self.seed, bool) or not 0 <= self.seed < 2**63:
-            raise ValueError(f"seed {self.seed!r} is not valid; want a whole number from 0 to 2^63 - 1")
+        for name, seed in (("seed", self.seed), ("car_seed", self.seed if self.car_seed is None else self.car_seed)):
+            if not isinstance(seed, int) or isinstance(seed, bool) or not 0 <= seed < 2**63:
+                raise ValueError(f"{name} {seed!r} is not valid; want a whole number from 0 to 2^63 - 1")
         place = self.payload_position
         if len(place) != 3 or not all(_number(v) and abs(v) <= FARTHEST_LOAD for v in place):
             raise ValueError(f"payload position {list(place)} m: want x, y, z, each within +-{FARTHEST_LOAD:g} m")
@@ -142,7 +158,9 @@ class Scenario:
         values = dict(notes)
         for name in ("payload_position", "obstacles"):
             if name in values:
+                if not isinstance(values[name], Sequence) or isinstance(values[name], str):
+                    raise ValueError(f"{name} is {values[name]!r}, want a list")
                 values[name] = tuple(values[name])
-        values["leaks"] = {w: Leak(**leak) for w, leak in values.get("leaks", {}).items()}
-        values["pressure_sets"] = {w: PressureSet(**s) for w, s in values.get("pressure_sets", {}).items()}
+        values["leaks"] = _entries("leaks", Leak, values.get("leaks", {}))
+        values["pressure_sets"] = _entries("pressure_sets", PressureSet, values.get("pressure_sets", {}))
         return Scenario(**values)

@@ -75,7 +75,7 @@ class Session:
         self.simulation = Simulation(scenario, variant.vehicle, variant.tyre)
         notes = drive_notes(self.simulation, variant.car)
         self.bank = Bank(estimators, Car.from_notes(notes), variant.calibrations)
-        self._suite = SensorSuite(settings, scenario.seed, self.simulation)
+        self._suite = SensorSuite(settings, scenario.seed, self.simulation, car_seed=scenario.car_seed)
         self._recording = DriveRecording(recording, self.simulation, notes) if recording else None
 
     def run(self) -> Iterator[tuple[Stretch, dict[str, Signal]]]:

@@ -61,6 +61,15 @@ def nominal_radius(vehicle: Vehicle, tyre: TyreProperties) -> float:
     return float(vertical.effective_rolling_radius(vertical.vertical_law(tyre), 80.0 / 3.6 / tyre.r0, fz, tyre.p0))
 
 
+def radius_sensitivity(tyre: TyreProperties) -> float:
+    """d ln(rolling radius) / d pressure at the tyre's nominal pressure, load and speed [1/Pa]."""
+    law, step = vertical.vertical_law(tyre), 0.01 * tyre.p0
+    low, high = (
+        vertical.effective_rolling_radius(law, tyre.v0 / tyre.r0, tyre.fz0, tyre.p0 + sign * step) for sign in (-1, 1)
+    )
+    return float(np.log(high / low) / (2.0 * step))
+
+
 class Simulation:
     """One drive. Everything random in it comes from the scenario's seed."""
 
@@ -168,10 +177,13 @@ class Simulation:
 
     def _diverged(self, what: str) -> Diverged:
         s = self.scenario
-        return Diverged(
-            f"{what} at {self.state.clock[0] * s.step:.3f} s: road {s.road} at {3.6 * s.speed:g} km/h is more than it "
-            "can take; a smoother road or a lower speed is valid"
-        )
+        time = self.state.clock[0] * s.step
+        when = f"at {time:.3f} s" if time >= 0.0 else "before the start, on level ground"
+        asked = [f"road {s.road} at {3.6 * s.speed:g} km/h"]
+        asked += [f"{s.payload:g} kg at {list(s.payload_position)} m"] if s.payload else []
+        asked += [f"grade {s.grade:g} and bank {s.bank:g}"] if s.grade or s.bank else []
+        asked += list(s.obstacles)
+        return Diverged(f"{what} {when}: {', '.join(asked)} is more than it can take; less of it is valid")
 
     def stretches(self) -> Iterator[Stretch]:
         """The drive in stretches of about STRETCH seconds, from the clock's present time to the scenario's duration."""

@@ -49,6 +49,8 @@ def truth_signals(stretch: Stretch, step: float) -> dict[str, Signal]:
     }
     signals["truth/chassis/position"] = Signal(at, stretch["position"][keep], "m", "world")
     signals["truth/chassis/velocity"] = Signal(at, stretch["velocity"][keep], "m/s", "world")
+    speed = np.linalg.norm(stretch["velocity"][keep], axis=1)
+    signals["truth/chassis/speed"] = Signal(at, speed, "m/s")
     signals["truth/chassis/attitude"] = Signal(at, attitude(stretch["quaternion"][keep]), "rad", "world")
     signals["truth/chassis/path_error"] = Signal(at, stretch["path_error"][keep], "m")
     return signals

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import json
 import resource
+import signal
 import subprocess
 import sys
+import time
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
+from estimators.readers import read_log
 from testbed.drive import main
 
 SHARED = Path(__file__).resolve().parents[1].parent / "shared" / "data"
@@ -73,10 +76,20 @@ REFUSED = [
     (["--radius", "fl=50"], ["50", "-10 to 10"]),
     (["--friction", "0"], ["'0'", "2"]),
     (["--friction", "wet"], ["'wet'"]),
-    (["--grade", "80"], ["0.8", "0.3"]),
+    (["--grade", "80"], ["80 %", "-30 to 30 %"]),
+    (["--bank", "-21"], ["-21 %", "-20 to 20 %"]),
     (["--bank", "nan"], ["'nan'"]),
-    (["--ambient", "-200"], ["ambient", "233.15"]),
+    (["--ambient", "-200"], ["-200 Celsius", "-40 to 60"]),
     (["--obstacle", "tree@5"], ["tree"]),
+    (["--obstacle", "cleat@5:height=500,length=30"], ["500", "0.1 to 150 mm"]),
+    (["--obstacle", "pothole@5:depth=500,length=300"], ["500", "0.1 to 300 mm"]),
+    (["--pressure", "fl=200,fl=100"], ["fl=100", "twice"]),
+    (["--road", "A:1e9,D"], ["A:1e9", "0.05 to"]),
+    (["--estimators", ","], ["''", "wheel_radius"]),
+    (["--sensors", ""], ["--sensors ''"]),
+    (["--scenario", ""], ["--scenario ''"]),
+    (["--out", ""], ["--out ''"]),
+    (["--json", ""], ["--json ''"]),
     (["--obstacle", "cleat@50:height=x"], ["height"]),
     (["--seed", "-1"], ["-1", "0 to 2^63"]),
     (["--seed", "1.5"], ["'1.5'"]),
@@ -113,10 +126,13 @@ SCENARIOS = [
     ('{"seed": 1.5}', "1.5"),
     ('{"pressures": {"fl": "soft"}}', "soft"),
     ('{"pressures": 5}', "5"),
-    ('{"leaks": {"fl": 5}}', "Leak"),
+    ('{"leaks": {"fl": 5}}', "want rate, start"),
+    ('{"leaks": 5}', "leaks 5"),
+    ('{"speed": 1' + 400 * "0" + "}", "out of range"),
+    ('{"obstacles": "cleat"}', "'cleat', want a list"),
     ('{"leaks": {"fl": {"rate": "x"}}}', "'x'"),
     ('{"obstacles": [5]}', "5"),
-    ('{"obstacles": 5}', "int"),
+    ('{"obstacles": 5}', "want a list"),
     ('{"payload_position": [1, 2]}', "[1, 2]"),
     ('{"payload_position": [NaN, 0, 0]}', "nan"),
     ('{"sensors": 5}', "5"),
@@ -143,6 +159,7 @@ SENSORS = [
     ('{"imu/gyro": {"noise": -1}}', "-1"),
     ('{"imu/gyro": {"noise": NaN}}', "nan"),
     ('{"imu/gyro": {"noise": "low"}}', "'low'"),
+    ('{"imu/gyro": {"noise": 1e308}}', "1e+308"),
     ('{"imu/gyro": 5}', "5"),
 ]
 
@@ -172,6 +189,13 @@ def holding(content: bytes) -> Callable[[Path], None]:
     return lambda target: target.write_bytes(content) and None
 
 
+def damaged_header(target: Path) -> None:
+    source = SHARED / "krc_rms_course_2in.crg"
+    if not source.is_file():
+        pytest.skip(f"needs {source}")
+    target.write_bytes(source.read_bytes().replace(b"5.0000000000000003e-02", b"nan                   ", 1))
+
+
 FILES = [
     ("--road", "empty.crg", holding(b"")),
     ("--road", "noise.crg", holding(bytes(range(256)) * 9)),
@@ -181,6 +205,7 @@ FILES = [
     ("--road", "empty.txt", holding(b"")),
     ("--road", "noise.txt", holding(bytes(range(128, 256)) * 9)),
     ("--road", "words.txt", holding(b"0 0\n0.25 high\n")),
+    ("--road", "nan.crg", damaged_header),
     ("--road", "backwards.txt", holding(b"".join(b"%d 0\n" % -k for k in range(20)))),
     ("--road", "nan.txt", holding(b"".join(b"%d nan\n" % k for k in range(20)))),
     ("--tyre", "empty.tir", holding(b"")),
@@ -217,7 +242,8 @@ OUTPUTS = [
     ("--out", "file/drive.rrd", "file/drive.rrd"),
     ("--out", "/proc/drive.rrd", "/proc/drive.rrd"),
     ("--json", "taken.rrd", "folder"),
-    ("--json", "nowhere/drive.json", "nowhere/drive.json"),
+    ("--json", "file/drive.json", "file/drive.json"),
+    ("--json", "fine.rrd", "is the recording"),
     ("--json", "/proc/drive.json", "/proc/drive.json"),
 ]
 
@@ -231,6 +257,48 @@ def test_output_that_cannot_be_written_is_refused(
     arguments = ["--out", str(tmp_path / "fine.rrd"), option, str(tmp_path / name)]
     assert named in refusal(capsys, *arguments)
     assert sorted(path.name for path in tmp_path.iterdir()) == ["file", "taken.rrd"]
+
+
+def test_load_position_and_ambient_at_their_limits_are_valid(tmp_path: Path) -> None:
+    arguments = ["--quiet", "--duration", "0.1", "--out", str(tmp_path / "drive.rrd"), "--load", "100"]
+    assert main([*arguments, "--load-position", "-0.8,0.4,0.2", "--ambient", "-40", "--grade", "-30"]) == 0
+
+
+def test_json_goes_through_a_link_and_into_a_device(tmp_path: Path) -> None:
+    """What is no file stays what it is: a result can go to a pipe, and a full device says so."""
+    (tmp_path / "real.json").write_text("old")
+    (tmp_path / "link.json").symlink_to(tmp_path / "real.json")
+    arguments = ["--quiet", "--duration", "0.1", "--out", str(tmp_path / "drive.rrd"), "--json"]
+    assert main([*arguments, str(tmp_path / "link.json")]) == 0
+    assert (tmp_path / "link.json").is_symlink()
+    assert json.loads((tmp_path / "real.json").read_text())["seed"] == 0
+    (tmp_path / "full").symlink_to("/dev/full")
+    assert main([*arguments, str(tmp_path / "full")]) == 2
+    assert Path("/dev/full").is_char_device()
+
+
+def test_second_drive_into_the_same_recording_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    from testbed.recording import RecordingWriter
+
+    with RecordingWriter(tmp_path / "drive.rrd", {}) as writer:
+        writer.add("engine/torque", [0.0], [1.0], "N m")
+        assert "another drive is writing it" in refusal(capsys, "--out", str(tmp_path / "drive.rrd"))
+    assert [path.name for path in tmp_path.iterdir()] == ["drive.rrd"]
+    assert main(["--quiet", "--duration", "0.1", "--out", str(tmp_path / "drive.rrd")]) == 0
+
+
+def test_interrupted_drive_says_where_its_recording_is(tmp_path: Path) -> None:
+    command = [sys.executable, "-m", "testbed.drive", "--duration", "3600", "--out", "drive.rrd", "--quiet"]
+    with subprocess.Popen(command, cwd=tmp_path, stderr=subprocess.PIPE, text=True) as process:
+        deadline = time.monotonic() + 60.0
+        while not ((tmp_path / "drive.part.rrd").is_file() and (tmp_path / "drive.part.rrd").stat().st_size > 1e6):
+            assert time.monotonic() < deadline
+            time.sleep(0.05)
+        process.send_signal(signal.SIGINT)
+        said = process.communicate(timeout=60.0)[1]
+    assert process.returncode == 130
+    assert said.splitlines() == ["testbed.drive: interrupted; what was recorded is in drive.part.rrd"]
+    assert read_log(tmp_path / "drive.part.rrd").span[1] > 0.5
 
 
 def test_full_disk_is_told_and_leaves_nothing_under_the_final_names(tmp_path: Path) -> None:

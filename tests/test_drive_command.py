@@ -13,12 +13,14 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+import rerun_cli
 
 from estimators.drive_log import WHEELS, DriveLog
 from estimators.readers import read_log
 from models.vehicle import GRAVITY
 from testbed.drive import main
 
+RERUN = str(Path(rerun_cli.__file__).with_name("rerun"))
 SHARED = Path(__file__).resolve().parents[1].parent / "shared" / "data"
 MEASURED = ("belgian_block.crg", "iri_utia_profile_1.txt", "krc_rms_course_2in.crg")
 WHEEL_KEYS = ("pressure_kpa", "stiffness_n_per_m", "rolling_radius_m", "load_n", "mean_speed_rad_s")
@@ -147,6 +149,8 @@ def test_seed_changes_the_road_and_the_saved_scenario_replays_the_drive(plain: d
     replayed = driven(tmp_path / "again", "--scenario", saved)
     first, second = read_log(Path(plain["log"])), read_log(Path(replayed["log"]))
     assert differing(first, second) == []
+    compare = [RERUN, "rrd", "compare", "--unordered", plain["recording"], replayed["recording"]]
+    assert subprocess.run(compare, capture_output=True, check=False).returncode == 0
     other = driven(tmp_path, "--duration", "3", "--seed", "5")
     changed = differing(first, read_log(Path(other["log"])))
     assert {"truth/fl/road_height", "imu/accel", "wheel/fl/edges"} <= set(changed)

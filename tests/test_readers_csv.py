@@ -77,6 +77,7 @@ def test_a_map_in_toml_is_the_map_in_a_dict(tmp_path: Path) -> None:
         ("t,v,ax,az,T\n0,36,1,9.8,20\n10,fast,1,9.8,20\n", "column 'v', line 3: 'fast' is not a number"),
         ("t,v,ax,az\n0,36,1,9.8\n", "no column 'T', it has t, v, ax, az"),
         ("t,v,ax,az,T\n0,36,1,9.8,20\n,36,1,9.8,20\n", "line 3 has no time"),
+        ("t,v,ax,az,T\n20,36,1,9.8,20\n10,36,1,9.8,20\n", "'t' runs from 20 to 10, want time that goes forward"),
         ("t,v,ax,az,T\ninf,36,1,9.8,20\n", "needs a finite time"),
     ],
 )

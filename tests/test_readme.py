@@ -9,6 +9,8 @@ from pathlib import Path
 import pytest
 
 from estimators.__main__ import main as estimate
+from estimators.design_cusum import parser as design_parser
+from estimators.detectors import Detector
 from testbed.arguments import drive_parser
 from testbed.campaign.__main__ import main as campaign
 from testbed.campaign.arguments import campaign_parser
@@ -23,7 +25,8 @@ README = (ROOT / "README.md").read_text()
 COMMANDS = re.findall(r"^\$ (.+)$", README, re.MULTILINE)
 DRIVES = [c for c in COMMANDS if c.startswith("python -m testbed.drive")]
 CAMPAIGNS = [c for c in COMMANDS if c.startswith("python -m testbed.campaign")]
-LOGS = [c for c in COMMANDS if c.startswith("python -m estimators")]
+LOGS = [c for c in COMMANDS if c.startswith("python -m estimators") and " design-cusum " not in c]
+DESIGNS = [c for c in COMMANDS if c.startswith("python -m estimators design-cusum ")]
 
 
 def _options_in(text: str) -> set[str]:
@@ -50,10 +53,14 @@ def test_readme_shows_the_two_commands_that_the_makefile_has():
 
 @pytest.mark.parametrize("command", DRIVES)
 def test_readme_drive_runs(command, tmp_path, monkeypatch):
-    """As typed, but two seconds of it, in a folder of its own."""
+    """As typed, but two seconds of it, in a folder of its own; a drive that learns for another one is driven whole."""
     monkeypatch.chdir(tmp_path)
     (tmp_path / "recordings").mkdir()
     words = shlex.split(command)[3:]
+    if "--calibration" in words:
+        learnt = words[words.index("--calibration") + 1]
+        before = next(c for c in DRIVES if f"--json {learnt}" in c)
+        assert drive([*shlex.split(before)[3:], "--quiet"]) == 0
     assert drive([*words, "--duration", "2", "--quiet"]) == 0
     assert list((tmp_path / "recordings").glob("*.rrd"))
 
@@ -106,6 +113,21 @@ def test_options_of_a_campaign_in_the_readme_exist():
     known = {name for action in campaign_parser()._actions for name in action.option_strings}
     assert {"--jobs", "--backend"} <= known
     assert _options_in(section) <= known
+
+
+@pytest.mark.parametrize("command", DESIGNS)
+def test_readme_design_prints_what_is_shown(command, capsys):
+    assert estimate(shlex.split(command)[3:]) == 0
+    printed = capsys.readouterr().out
+    assert f"$ {command}\n{printed}" in README
+
+
+def test_readme_lists_every_kind_of_detector_and_the_options_of_its_design():
+    section = README[README.index("## Detectors") : README.index("## How to add")]
+    rows = re.findall(r"^\| `(\w+)`", section, re.MULTILINE)
+    assert set(rows) == {kind.__name__ for kind in Detector.__subclasses__()}
+    known = {name for action in design_parser()._actions for name in action.option_strings}
+    assert set(re.findall(r"--[a-z][a-z0-9-]+", section)) <= known
 
 
 def test_files_that_the_readme_names_exist():

@@ -61,8 +61,10 @@ def test_deflection_and_rolling_radius_follow_the_published_formulas(tyre, press
     """The multibody wheel (ring on its sidewall, residual law) against the formulas, written out here once more."""
     t = load_tyre(tyre)
     car = drive(tyre=t, road="flat", speed=60.0 * KMH, duration=3.0, pressures=everywhere(pressure))
-    load, deflection = car["load"][-1], car["deflection"][-1]
-    omega = car["belt_speed"][-1]
+    load, omega = car["load"][-1], car["belt_speed"][-1]
+    data, rims = car.simulation.data, car.simulation.index.rim
+    free = t.r0 * (t.q_re0 + t.q_v1 * (omega * t.r0 / t.v0) ** 2)
+    deflection = free - data.xpos[rims, 2]  # as the multibody car stands on its flat road: rim, sidewall, belt
     dpi = (car["pressure"][-1] - t.p0) / t.p0
     ratio = deflection / t.r0
     q_fz1 = np.sqrt((t.cz0 * t.r0 / t.fz0) ** 2 - 4.0 * t.q_fz2)
@@ -70,7 +72,6 @@ def test_deflection_and_rolling_radius_follow_the_published_formulas(tyre, press
     error = np.abs(load / formula - 1.0).max()
     claim("load against deflection, five pressures, two tyres", 100.0 * error, 100.0 * LAW_TOLERANCE, "%")
     cz = t.cz0 * (1 + t.pfz1 * t.re_pressure_share * dpi)
-    free = t.r0 * (t.q_re0 + t.q_v1 * (omega * t.r0 / t.v0) ** 2)
     radius = free - t.fz0 / cz * (t.dreff * np.arctan(t.breff * load / t.fz0) + t.freff * load / t.fz0)
     # measured: the way of a freely rolling (rear) wheel over its angle, its slip of 0.05 % at rolling resistance apart
     way = car["position"][-1, 0] - car["position"][-1001, 0]
@@ -143,11 +144,14 @@ def test_body_and_wheel_hop_frequencies_are_those_of_the_quarter_car(speed, clai
         stiffness = car.state.outputs[wheels[0], 2]
         body, hop = _quarter_car(sprung, axle.wheel_assembly_mass, axle.spring_rate, 3000.0, stiffness)
         travels = [int(car.index.travel_v[w]) for w in wheels]
-        bodies = [m for m in found if m.shares[heave] + m.shares[pitch] > 0.9]
+        bodies = [m for m in found if m.shares[heave] + m.shares[pitch] > 0.8]
+        assert len(bodies) == 2
+        above = v.chassis.cg_to_front_axle if load == 0 else -v.chassis.cg_to_rear_axle
+        own = max(bodies, key=lambda m: abs(m.shape[heave] - above * m.shape[pitch]))  # moves most over this axle
         hops = [m for m in found if m.shares[travels].sum() > 0.7 and np.real(np.prod(m.shape[travels])) != 0.0]
         together = [m for m in hops if np.real(m.shape[travels[0]] * np.conj(m.shape[travels[1]])) > 0.0]
         assert len(together) == 1
-        error = min(abs(m.frequency / body - 1.0) for m in bodies)
+        error = abs(own.frequency / body - 1.0)
         claim("body frequency against the quarter car", 100.0 * error, 100.0 * MODE_TOLERANCE, "%")
         error = abs(together[0].frequency / hop - 1.0)
         claim("wheel-hop frequency against the quarter car", 100.0 * error, 100.0 * MODE_TOLERANCE, "%")

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from testbed.roads import make_road
-from testbed.roads.iri import SPEED, A, B, iri, iri_of_road
+from testbed.roads.iri import iri, iri_of_road
 from testbed.roads.opencrg import CrgRoad, fill_missing
 from testbed.roads.profile import ProfileRoad, read_profile
 from testbed.roads.spectrum import fitted_gd, iso_class
-from testbed.roads.turning_path import TurningPath
+from testbed.roads.turning_path import KEPT, TurningPath
 from tests.conftest import Claim
 
 DATA = Path(__file__).resolve().parents[2] / "shared" / "data"
@@ -99,6 +99,17 @@ def test_turning_path_walks_cell_by_cell_within_the_patch(cells: int) -> None:
     np.testing.assert_array_equal(TurningPath(cells, 3).places(distance[-9:]), places[-9:])
 
 
+def test_an_endless_road_takes_no_endless_memory() -> None:
+    path = TurningPath(100, 3)
+    ends = [path.places(np.arange(k, k + 50.0)) for k in range(0, 2_000_000, 500)]
+    assert max(end.max() for end in ends) <= 100.0
+    assert len(path._starts) < 2 * KEPT
+    again = TurningPath(100, 3).places(np.arange(1_999_500, 1_999_550.0))
+    np.testing.assert_array_equal(ends[-1], again)
+    with pytest.raises(ValueError, match="forgotten"):
+        path.places(np.arange(10.0))
+
+
 def test_turning_path_turns_at_many_places() -> None:
     places = TurningPath(1000, 3).places(np.arange(40000.0))
     turns = np.flatnonzero(np.diff(np.sign(np.diff(places)))) + 1
@@ -125,13 +136,16 @@ def test_iri_of_utia_profile_is_3_3(claim: Claim) -> None:
 
 @pytest.mark.parametrize("wave", [2.0, 10.0, 30.0])
 def test_iri_of_a_sine_is_its_closed_form(wave: float) -> None:
-    """|transfer function| * slope amplitude * 2/pi; the moving average takes sinc(0.25 m / wave)."""
+    """Golden car of ASTM E1926, its transfer function written out: K1 653, K2 63.3 1/s^2, mu 0.15, C 6.0 1/s, 80 km/h;
+    the moving average takes sinc(0.25 m / wave), the mean of |sine| is 2/pi."""
     spacing, amplitude = 0.05, 0.01
     x = spacing * np.arange(40001)
-    s = 2j * np.pi * SPEED / wave
-    state = np.linalg.solve(s * np.eye(4) - A, B)
+    s = 2j * np.pi * (80.0 / 3.6) / wave
+    strut, tyre, mass = 6.0 * s + 63.3, 653.0, 0.15
+    sprung = strut / (s**2 + strut)  # z_s over z_u
+    unsprung = tyre / (mass * s**2 + tyre + strut * (1.0 - sprung))  # z_u over the road
     slope = amplitude * 2.0 * np.pi / wave * np.sinc(0.25 / wave)
-    expected = 1000.0 * abs(state[0] - state[2]) * slope * 2.0 / np.pi
+    expected = 1000.0 * abs((sprung - 1.0) * unsprung) * slope * 2.0 / np.pi
     assert iri(amplitude * np.sin(2.0 * np.pi * x / wave), spacing) == pytest.approx(expected, rel=0.01)
 
 
@@ -145,6 +159,18 @@ def test_iri_scales_with_height_and_ignores_grade() -> None:
 def test_iri_refuses_short_missing_and_coarse_profiles(z: np.ndarray, spacing: float) -> None:
     with pytest.raises(ValueError, match="IRI needs"):
         iri(z, spacing)
+
+
+def test_ground_beside_and_behind_the_starting_lane_is_as_rough_as_the_road() -> None:
+    """A circle that comes back behind the start meets class C there too; only the lane to the start is flat."""
+    road = make_road("C", 1, 20.0, 60.0)
+    behind, ahead = 0.05 * np.arange(-4000, -3000), 0.05 * np.arange(1000, 2000)
+    y = 0.05 * np.arange(200, 220)
+    roughness = [np.std(np.diff(road.heights(x, y), axis=1)) for x in (behind, ahead)]
+    assert roughness[0] == pytest.approx(roughness[1], rel=0.1)
+    assert not road.heights(behind, 0.05 * np.arange(-60, 61)).any()
+    across = np.abs(np.diff(road.heights(behind, 0.05 * np.arange(50, 200)), axis=0))
+    assert across.max() < 0.03  # m from node to node: no step at the lane's edge
 
 
 def test_car_starts_on_level_ground_and_then_climbs() -> None:

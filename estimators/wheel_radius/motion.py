@@ -24,8 +24,9 @@ from numpy.typing import NDArray
 from estimators.car import AIR_DENSITY, GRAVITY, Car
 from estimators.grid import Channel
 
+STUCK = 3.0  # [s]; a moving wheel's speed is never the same for so long, in steps of 0.01 to 0.04 km/h
 CHANNELS = (
-    *(Channel(f"wheel/{wheel}/speed") for wheel in ("fl", "fr", "rl", "rr")),
+    *(Channel(f"wheel/{wheel}/speed", frozen_after=STUCK) for wheel in ("fl", "fr", "rl", "rr")),
     Channel("imu/gyro", 2),
     Channel("imu/accel", 0),
     Channel("imu/accel", 1),

@@ -19,8 +19,8 @@ from rich import box
 from rich.console import Console
 from rich.table import Table
 
+from estimators.whole_file import check_writable, write_json
 from testbed.arguments import Parser
-from testbed.drive import write_json
 
 
 @dataclass(frozen=True)
@@ -115,7 +115,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     effort = QUICK if options.quick else FULL
     try:
         if options.json:
-            write_json(options.json, {})  # a name that cannot be written is known now, not after minutes
+            check_writable(options.json)
         figures = measure(effort)
         print_table(Console(), figures)
         if options.json:

@@ -18,11 +18,11 @@ from pathlib import Path
 
 from rich.console import Console
 
+from estimators.whole_file import check_writable, write_json
 from testbed.campaign.arguments import campaign_parser, folder_of, pool_of, whole_number
 from testbed.campaign.engine import CampaignError
 from testbed.campaign.plan import Campaign, read_campaign
 from testbed.campaign.progress import drive_progress, duration_text, print_plan
-from testbed.drive import write_json
 from testbed.warm import warm_once
 
 INTERRUPTED = 130
@@ -67,6 +67,8 @@ def _run(console: Console, campaign: Campaign, options: Namespace, kept: _Kept) 
 
     folder, pool = folder_of(options), pool_of(options)
     folder.mkdir(parents=True, exist_ok=True)
+    if options.json:
+        check_writable(options.json)
     warm_once()
     with drive_progress(console) as bar:
 

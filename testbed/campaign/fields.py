@@ -86,6 +86,7 @@ FIELDS: dict[str, tuple[str, Convert]] = {
     "manoeuvre": ("manoeuvre", _as_is),
     "tyre": ("tyre", _as_is),
     "seed": ("seed", _as_is),
+    "car_seed": ("car_seed", _as_is),
     "pressure_kpa": ("pressures", _per_wheel(1e3)),
     "leak_kpa_s": ("leaks", _leaks),
     "set_kpa": ("pressure_sets", _sets),

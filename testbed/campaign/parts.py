@@ -7,6 +7,7 @@ short by something else is named in one line and its task is done again.
 from __future__ import annotations
 
 import hashlib
+import io
 import json
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
@@ -15,6 +16,7 @@ from typing import Any
 import pyarrow as pa
 import pyarrow.parquet as pq
 
+from estimators.whole_file import write_whole
 from testbed.campaign.code_version import code_version
 
 Row = dict[str, Any]
@@ -60,10 +62,6 @@ def write_table(path: Path, rows: Sequence[Row]) -> None:
     """Rows as Parquet (a column that a row lacks is null there), whole or not at all. OSError names the file."""
     columns = dict.fromkeys(name for row in rows for name in row)
     table = pa.table({name: pa.array([row.get(name) for row in rows]) for name in columns})
-    part = path.with_name(path.name + ".part")
-    try:
-        pq.write_table(table, part)
-        part.replace(path)
-    except OSError as error:
-        part.unlink(missing_ok=True)
-        raise OSError(error.errno, error.strerror or str(error), str(path)) from None
+    sink = io.BytesIO()
+    pq.write_table(table, sink)
+    write_whole(path, sink.getvalue())

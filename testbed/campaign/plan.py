@@ -189,7 +189,8 @@ def calibration_drive(scenario: Scenario, table: Mapping[str, Any], seed: int) -
     what the table says otherwise. None without a table."""
     if not table:
         return None
-    same = {"pressures": {}, "leaks": {}, "pressure_sets": {}, "obstacles": (), "seed": seed}
+    parts = scenario.seed if scenario.car_seed is None else scenario.car_seed
+    same = {"pressures": {}, "leaks": {}, "pressure_sets": {}, "obstacles": (), "seed": seed, "car_seed": parts}
     return scenario_from(table, **(dataclasses.asdict(scenario) | same))
 
 

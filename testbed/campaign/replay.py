@@ -11,10 +11,10 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from estimators.whole_file import write_json
 from testbed.campaign.drive_row import recorded_drive
 from testbed.campaign.parts import Row
 from testbed.campaign.plan import Campaign
-from testbed.drive import write_json
 
 
 def is_plain(task: Mapping[str, Any]) -> bool:

@@ -11,6 +11,7 @@ from pathlib import Path
 from string import Template
 from typing import Any
 
+from estimators.whole_file import write_whole
 from testbed.campaign.code_version import code_version
 from testbed.campaign.parts import Row
 from testbed.campaign.plan import Campaign
@@ -55,13 +56,7 @@ def write_report(campaign: Campaign, rows: Sequence[Row], scores: Figures, file:
     """Writes FOLDER/report.html, whole or not at all; its path. file: of the campaign."""
     page = Template(TEMPLATE.read_text()).substitute(_contents(campaign, rows, scores, file, folder))
     path = folder / NAME
-    part = path.with_name(path.name + ".part")
-    try:
-        part.write_text(page)
-        part.replace(path)
-    except OSError as error:
-        part.unlink(missing_ok=True)
-        raise OSError(error.errno, error.strerror, str(path)) from None
+    write_whole(path, page.encode())
     return path
 
 

@@ -41,7 +41,7 @@ PLOTS = (
     Plot("Rolling radius", "m", rf"truth/{_WHEEL}/rolling_radius"),
     Plot("Wheel load", "N", rf"truth/{_WHEEL}/load"),
     Plot("Hub acceleration", "m/s²", rf"hub/{_WHEEL}/accel_z"),
-    Plot("Speed", "m/s", r"truth/chassis/velocity"),
+    Plot("Speed", "m/s", r"truth/chassis/speed"),
     Plot("Wheel speed", "rad/s", rf"wheel/{_WHEEL}/speed"),
 )
 _MEASURED = {"Tyre pressure": rf"tyre/{_WHEEL}/pressure"}  # where there is no truth: a real car's log
@@ -163,11 +163,13 @@ def _left(
         views.append(_scene(drawn, starts))
         shares.append(5)
     if texts:
-        contents = [entity_path(name) for name in texts]
-        views.append(rrb.StateTimelineView(origin="/", contents=contents, name="Alarms and modes"))
+        lanes = [entity_path(name) for name in texts if not name.endswith("/flags")]  # a flag is of one moment
+        if lanes:
+            views.append(rrb.StateTimelineView(origin="/", contents=lanes, name="Alarms and modes"))
+            shares.append(1.2)
         log = [entity_path(name) for name in texts if not name.startswith(HIDDEN)]
-        views.append(_events(log or contents))
-        shares += [1.2, 1.5]
+        views.append(_events(log or lanes))
+        shares.append(1.5)
     return rrb.Vertical(*views, row_shares=shares) if views else None
 
 

@@ -8,7 +8,6 @@ apt-get install mesa-vulkan-drivers libvulkan1. Ends with status 2 and one line 
 
 from __future__ import annotations
 
-import argparse
 import os
 import socket
 import subprocess
@@ -22,6 +21,7 @@ from rerun.experimental import ViewerClient
 
 from estimators.readers import read_log
 from estimators.readers.rrd_chunks import TIMELINE
+from testbed.arguments import Parser
 
 _SOFTWARE_DRIVERS = Path("/usr/share/vulkan/icd.d")
 _CURE = "needs a Vulkan driver; on Debian: apt-get install mesa-vulkan-drivers libvulkan1"
@@ -104,9 +104,7 @@ def _free_port() -> int:
 
 def main(arguments: list[str] | None = None) -> int:
     """The command line; exit status."""
-    parser = argparse.ArgumentParser(
-        prog="python -m testbed.recording.screenshot", description="Picture of a recording"
-    )
+    parser = Parser(prog="testbed.recording.screenshot", description="Picture of a recording")
     parser.add_argument("recording", type=Path, help="an .rrd file")
     parser.add_argument("picture", type=Path, help="the .png to write")
     parser.add_argument("--time", type=float, help="where in the drive, in s (default: two thirds into it)")
@@ -115,7 +113,7 @@ def main(arguments: list[str] | None = None) -> int:
     try:
         screenshot(given.recording, given.picture, given.time, given.size)
     except ValueError as error:
-        print(error, file=sys.stderr)
+        print(f"testbed.recording.screenshot: {error}", file=sys.stderr)
         return 2
     return 0
 

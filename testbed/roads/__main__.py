@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import argparse
 import sys
 from collections.abc import Sequence
 
 import numpy as np
 
+from testbed.arguments import Parser
 from testbed.roads.iri import iri
 from testbed.roads.registry import make_road, road_forms
 from testbed.roads.road import ISO_SPACING
@@ -37,7 +37,7 @@ def report(spec: str, length: float, seed: int) -> list[str]:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Prints the report; exit status 2 and one line on bad input."""
-    parser = argparse.ArgumentParser(prog="python -m testbed.roads", description=__doc__)
+    parser = Parser(prog="testbed.roads", description=__doc__)
     parser.add_argument("spec", metavar="SPEC", help=road_forms())
     parser.add_argument("--length", type=float, default=1000.0, metavar="M", help="length to look at [m], default 1000")
     parser.add_argument("--seed", type=int, default=1, metavar="N", help="seed of a synthetic road, default 1")
@@ -45,7 +45,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         lines = report(given.spec, given.length, given.seed)
     except ValueError as error:
-        print(error, file=sys.stderr)
+        print(f"testbed.roads: {error}", file=sys.stderr)
         return 2
     print("\n".join(lines))
     return 0

@@ -9,7 +9,9 @@ the field f is scaled by s = sqrt(Gd(n0)), and behind a change at x_c the left-o
 f_b(x_c, y) fades out by a smoothstep over that band's longest wave (1.6 m, 8 m and 91 m), so that neither a step nor
 ruts remain. The last section goes on without end; before x = 0 the first one holds.
 
-Between its 0.05 m nodes the road is bilinear, as its height field is, so a finer grid shows the same surface.
+Between its 0.05 m nodes the road is bilinear, as its height field is, so a finer grid shows the same surface. A track
+between two lines of nodes therefore loses short waves, as the mean of two lines does: at most 40 % of the spectrum in
+the octave up to 10 cycle/m, 25 % in the one below it. A tread 0.2 m wide averages far more of them away.
 """
 
 from __future__ import annotations
@@ -75,7 +77,10 @@ def parse_sections(spec: str) -> tuple[Section, ...]:
             break
         length = _number(metres) if colon else math.nan
         if not ISO_SPACING <= length <= _LONGEST_SECTION:
-            raise ValueError(f"road '{spec}': section '{word.strip()}' needs a length in metres > 0, such as A:200")
+            raise ValueError(
+                f"road '{spec}': section '{word.strip()}' needs a length in metres, {ISO_SPACING:g} to "
+                f"{_LONGEST_SECTION:g}, such as A:200"
+            )
         start += round(length / ISO_SPACING) * ISO_SPACING
     return tuple(sections)
 

@@ -18,7 +18,8 @@ import numpy as np
 from testbed.roads.road import FINEST_SPACING, Array
 
 FORM = "cleat@X:height=MM,length=MM,side=left|right|both or pothole@X:depth=MM,length=MM,side=left|right|both (X in m)"
-_MOST_HEIGHT = 500.0  # [mm]
+# what the wheel's two cams can roll over or drop into; beyond that the rim and the body would hit
+_MOST = {"height": 150.0, "depth": 300.0}  # [mm]
 _MOST_LENGTH = 10000.0  # [mm]
 _SIDES = ("left", "right", "both")
 
@@ -62,7 +63,7 @@ def parse_obstacle(spec: str) -> Obstacle:
         bad = unknown[0] if unknown else "an option twice"
         raise ValueError(f"obstacle '{spec}': '{bad}'; valid: {up}=MM, length=MM, side={'|'.join(_SIDES)}")
     start = _number(spec, "place", place, 0.0, 1e6, "m")
-    size = _number(spec, up, options.get(up, ""), 0.1, _MOST_HEIGHT, "mm")
+    size = _number(spec, up, options.get(up, ""), 0.1, _MOST[up], "mm")
     length = _number(spec, "length", options.get("length", ""), 1.0, _MOST_LENGTH, "mm")
     side = options.get("side", "both")
     if side not in _SIDES:

@@ -7,7 +7,8 @@ What is done with the file:
   bends);
 - NaN cells are filled across the road: linearly between measured cells, by the nearest one beyond them; a cross
   section without any value is interpolated along the road, column by column;
-- beyond its width the edge value is held; between nodes the surface is bilinear, which is OpenCRG's own rule;
+- beyond its width the edge value is held, so a manoeuvre that turns off the strip leaves what was measured; between
+  nodes the surface is bilinear, which is OpenCRG's own rule;
 - beyond its length it goes on as `turning_path` says;
 - the mean height of the first metre becomes z = 0.
 The wanted grid is the file's increment in u, but never finer than 0.01 m nor coarser than 0.05 m.
@@ -15,6 +16,7 @@ The wanted grid is the file's increment in u, but never finer than 0.01 m nor co
 
 from __future__ import annotations
 
+import re
 import warnings
 from pathlib import Path
 
@@ -71,15 +73,27 @@ def _one_line(error: Exception, path: str) -> str:
     return f"road file '{path}': not a sound OpenCRG file: {words.strip()}"
 
 
+def _check_header(path: str) -> None:
+    """ValueError for a number of the [ROAD_CRG] section that is none: the reader would take it for absent."""
+    section = re.search(rb"^\$ROAD_CRG[^\n]*\n(.*?)^\$", Path(path).read_bytes(), re.MULTILINE | re.DOTALL)
+    for line in section.group(1).decode("latin-1").splitlines() if section else ():
+        name, equals, value = (word.strip() for word in line.partition("="))
+        number = re.match(r"[+-]?(nan|inf)", value, re.IGNORECASE)
+        if equals and number:
+            raise ValueError(f"{name.lower()} is {number.group()}, want a finite number")
+
+
 def read_crg(path: str, seed: int) -> CrgRoad:
     """Reads and prepares a file; ValueError in one line that names it if it is absent, damaged or holds no road."""
     import pyopencrg  # only roads of this kind pay for its import
 
     if not Path(path).is_file():
-        raise ValueError(f"road file '{path}': there is no such file")
+        what = "it is a folder" if Path(path).is_dir() else "there is no such file"
+        raise ValueError(f"road file '{path}': {what}")
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
+            _check_header(path)
             patch = pyopencrg.read(path)
             if patch.mods:
                 patch = patch.apply_mods()

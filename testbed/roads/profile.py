@@ -3,7 +3,8 @@
 Columns are parted by blanks, tabs, commas or semicolons; `#` starts a comment. x must ascend, by any steps up to 10
 m. The profile is resampled to 0.05 m by a monotone cubic (PCHIP), which passes through every point and does not
 overshoot; it starts at x = 0 and z = 0, and beyond its end it goes on as `turning_path` says. What the points did not
-sample (waves shorter than twice their spacing) stays absent.
+sample (waves shorter than twice their spacing) stays absent. It lies along x and is the same for all y: a manoeuvre
+that turns off drives along its contours, on the level.
 """
 
 from __future__ import annotations

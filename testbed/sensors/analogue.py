@@ -13,13 +13,13 @@ import numpy as np
 from testbed.sensors.motion import STEPS_PER_SECOND, FloatArray
 from testbed.sensors.sampling import Clock, Sampler
 from testbed.sensors.settings import AnalogueSettings
-from testbed.sensors.streams import stream
+from testbed.sensors.streams import Seeds, stream
 
 
 class AnalogueSensor:
     """One signal's sensor. name: of the signal, picks the random streams together with seed. width: columns."""
 
-    def __init__(self, name: str, settings: AnalogueSettings, seed: int, width: int) -> None:
+    def __init__(self, name: str, settings: AnalogueSettings, seed: int | Seeds, width: int) -> None:
         self._settings = settings
         part = stream(seed, name, "part")
         self.bias = settings.bias + settings.bias_std * part.standard_normal(width)

@@ -9,13 +9,13 @@ from __future__ import annotations
 import numpy as np
 
 from testbed.sensors.motion import FloatArray
-from testbed.sensors.streams import stream
+from testbed.sensors.streams import Seeds, stream
 
 
 class Dropouts:
     """Loses single samples, and gaps of whole bursts. dropout, burst: probability per sample; length: of a burst."""
 
-    def __init__(self, name: str, seed: int, dropout: float, burst: float, length: int) -> None:
+    def __init__(self, name: str, seed: int | Seeds, dropout: float, burst: float, length: int) -> None:
         self._dropout, self._burst, self._length = dropout, burst, length
         self._single, self._start = stream(seed, name, "dropout"), stream(seed, name, "burst")
         self._since = length  # samples since the last burst began

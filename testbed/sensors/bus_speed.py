@@ -3,7 +3,8 @@
 At each update the edges since the update before are counted: speed = edges x pitch / (last edge - last edge of an
 earlier update). Without a new edge the last value holds, but the wheel cannot have turned on to its next edge: speed <=
 longest pitch / (time since the last edge). After `timeout` without an edge the wheel stands, and the next edge only
-starts the measurement again. The result is rounded to whole steps of circumferential speed at the nominal radius. The
+starts the measurement again. At the start nothing is sent until two edges, or `timeout` without one, give a speed.
+The result is rounded to whole steps of circumferential speed at the nominal radius. The
 sign is lost with the sensor's direction.
 """
 
@@ -67,8 +68,11 @@ class BusSpeed:
         self._state = np.array([np.nan, 0.0, 0.0, 0.0, np.nan])
 
     def advance(self, first: int, last: int, edges: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Updates [s] in the steps first to last, and speeds [rad/s]. edges: stamps [s] up to the last step."""
+        """Updates [s] in the steps first to last, and speeds [rad/s], from the first known speed on. edges: stamps [s]
+        up to the last step."""
         updates = self._clock.due(first, last) / STEPS_PER_SECOND
         speeds = np.empty(len(updates))
         speeds_at(self._state, updates, edges, self._pitch, self._timeout, speeds)
+        known = np.isfinite(speeds)
+        updates, speeds = updates[known], speeds[known]
         return updates, np.rint(speeds / self._step) * self._step if self._step else speeds

@@ -20,9 +20,10 @@ import numpy as np
 from estimators.compiled import compiled
 from testbed.sensors.motion import STEPS_PER_SECOND, FloatArray
 from testbed.sensors.settings import EncoderSettings
-from testbed.sensors.streams import stream
+from testbed.sensors.streams import Seeds, stream
 
 LARGEST_TURN = 1.0  # rad in a step: 1000 rad/s, three times the wheel speed at 400 km/h
+LATENCY = 4.0  # std of jitter by which edges are late on average
 _ANGLE, _SPEED, _EDGE = range(3)  # state: rim angle [rad] and speed [rad/s] of the step before, last edge passed
 
 
@@ -141,10 +142,11 @@ def ticks(time: FloatArray, timer: float) -> FloatArray:
 class Encoder:
     """One wheel's ring and sensor. name: of the signal, picks ring and random streams together with seed."""
 
-    def __init__(self, name: str, settings: EncoderSettings, seed: int) -> None:
+    def __init__(self, name: str, settings: EncoderSettings, seed: int | Seeds) -> None:
         self._name, self._settings = name, settings
         self.ring = tooth_ring(settings, stream(seed, name, "part"))
         self._hysteresis = settings.hysteresis * 2.0 * math.pi / settings.teeth
+        self._jitter = stream(seed, name, "noise")
         self._missing, self._double = stream(seed, name, "dropout"), stream(seed, name, "burst")
         self._state: FloatArray | None = None
 
@@ -161,7 +163,11 @@ class Encoder:
             )
         s = self._settings
         true = edge_times(self._state, first, angle, speed, self.ring, self._hysteresis, 1.0 / STEPS_PER_SECOND)
-        reported = ticks(true, s.timer)
+        seen = true
+        if s.jitter:
+            late = np.clip(self._jitter.standard_normal(len(true)) + LATENCY, 0.0, 2.0 * LATENCY)
+            seen = np.maximum.accumulate(true + s.jitter * late)
+        reported = ticks(seen, s.timer)
         false = reported[:0]
         if s.double:
             gap = max(1.0, round(s.double_gap / s.timer)) * s.timer

@@ -19,6 +19,7 @@ from testbed.sensors.defaults import CHANNELS, EDGE_NAMES, SPEED_NAMES
 from testbed.sensors.encoder import Encoder
 from testbed.sensors.motion import WIDTHS, FloatArray, Motion
 from testbed.sensors.settings import AnalogueSettings, BusSpeedSettings, EncoderSettings
+from testbed.sensors.streams import Seeds
 
 # Changes what a sensor says: (signal name, instants of measurement [s], values) -> instants and values.
 # Instants may not move forward past the chunk that they came in. Edges come with values of 1, one an edge.
@@ -28,7 +29,7 @@ Transform = Callable[[str, FloatArray, FloatArray], tuple[FloatArray, FloatArray
 class AnalogueLine:
     """One analogue signal."""
 
-    def __init__(self, name: str, settings: AnalogueSettings, seed: int) -> None:
+    def __init__(self, name: str, settings: AnalogueSettings, seed: int | Seeds) -> None:
         self._name, self._channel = name, CHANNELS[name]
         width = WIDTHS[self._channel.field] if self._channel.wheel is None else 0
         self._scalar = width == 0
@@ -53,7 +54,12 @@ class WheelLine:
     """A wheel's edges, and the bus speed computed from them (speed None: not on this bus)."""
 
     def __init__(
-        self, wheel: int, edges: EncoderSettings, speed: BusSpeedSettings | None, seed: int, nominal_radius: float
+        self,
+        wheel: int,
+        edges: EncoderSettings,
+        speed: BusSpeedSettings | None,
+        seed: int | Seeds,
+        nominal_radius: float,
     ) -> None:
         self._wheel = wheel
         self._edges, self._speed = EDGE_NAMES[WHEELS[wheel]], SPEED_NAMES[WHEELS[wheel]]

@@ -51,16 +51,18 @@ class AnalogueSettings:
 class EncoderSettings:
     """A toothed ring and its Hall sensor: one edge a tooth.
 
-    teeth. pitch_error: rms deviation of the ring's pitches from their mean, in pitches. timer: resolution of the edge
-    times [s]. hysteresis: how far the ring turns back past an edge before the sensor switches back, in pitches.
-    missing, double: probability per edge that it is lost, that a false one follows it after `double_gap` [s], rounded
-    to whole ticks of the timer. delay [s].
+    teeth. jitter: std of the edge times [s], of the sensor's threshold in its noise (a constant 4 std of latency with
+    it, so that no edge comes early). pitch_error: rms deviation of the ring's pitches from their mean, in pitches.
+    timer: resolution of the edge times [s]. hysteresis: how far the ring turns back past an edge before the sensor
+    switches back, in pitches. missing, double: probability per edge that it is lost, that a false one follows it after
+    `double_gap` [s], rounded to whole ticks of the timer. delay [s].
     """
 
     teeth: int
     pitch_error: float
     timer: float
     hysteresis: float
+    jitter: float = 0.0
     missing: float = 0.0
     double: float = 0.0
     double_gap: float = 1e-4
@@ -86,13 +88,15 @@ class BusSpeedSettings:
 
 SensorSettings = AnalogueSettings | EncoderSettings | BusSpeedSettings
 
+_MOST = 1e9  # of an amplitude, in any unit: beyond it numbers overflow
 # field -> (lowest, highest) valid value, both included; fields not named here only need to be finite
 _LIMITS: dict[str, tuple[float, float]] = {
-    "rate": (1e-3, STEPS_PER_SECOND), "jitter": (0.0, 1.0), "noise": (0.0, math.inf), "bias_std": (0.0, math.inf),
-    "bias_walk": (0.0, math.inf), "scale": (-1.0, math.inf), "scale_std": (0.0, 1.0), "quantisation": (0.0, math.inf),
-    "delay": (0.0, 60.0), "dropout": (0.0, 1.0), "burst": (0.0, 1.0), "burst_length": (1, 10**6),
-    "teeth": (2, 1000), "pitch_error": (0.0, _MAX_PITCH_ERROR), "timer": (_LOG_GRID, 0.01), "hysteresis": (0.0, 0.5),
-    "missing": (0.0, 1.0), "double": (0.0, 1.0), "double_gap": (_LOG_GRID, 1.0), "timeout": (0.01, 60.0),
+    "rate": (1e-3, STEPS_PER_SECOND), "jitter": (0.0, 1.0), "noise": (0.0, _MOST), "bias": (-_MOST, _MOST),
+    "bias_std": (0.0, _MOST), "bias_walk": (0.0, _MOST), "scale": (-1.0, _MOST), "scale_std": (0.0, 1.0),
+    "quantisation": (0.0, _MOST), "delay": (0.0, 60.0), "dropout": (0.0, 1.0), "burst": (0.0, 1.0),
+    "burst_length": (1, 10**6), "teeth": (2, 1000), "pitch_error": (0.0, _MAX_PITCH_ERROR),
+    "timer": (_LOG_GRID, 0.01), "hysteresis": (0.0, 0.5), "missing": (0.0, 1.0), "double": (0.0, 1.0),
+    "double_gap": (_LOG_GRID, 1.0), "timeout": (0.01, 60.0),
 }  # fmt: skip
 
 

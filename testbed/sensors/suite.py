@@ -22,6 +22,7 @@ from testbed.sensors.settings import (
     SensorSettings,
     check_settings,
 )
+from testbed.sensors.streams import Seeds
 
 
 class SensedCar(Protocol):
@@ -35,9 +36,10 @@ class SensedCar(Protocol):
 class SensorSuite:
     """All sensors of a car.
 
-    settings: by signal name, as `sensor_settings` gives them; a sensor left out does not exist. seed: whole, >= 0.
-    car: its nominal radius. transforms: applied in order to every signal.
-    ValueError on unknown names, wrong kinds of settings or values out of limits.
+    settings: by signal name, as `sensor_settings` gives them; a sensor left out does not exist. seed: whole, >= 0, of
+    the drive. car: its nominal radius. car_seed: of its parts (bias, scale, tooth pitches), None: the drive's.
+    transforms: applied in order to every signal. ValueError on unknown names, wrong kinds of settings or values out of
+    limits.
     """
 
     def __init__(
@@ -46,15 +48,18 @@ class SensorSuite:
         seed: int,
         car: SensedCar,
         transforms: Iterable[Transform] = (),
+        car_seed: int | None = None,
     ) -> None:
-        if isinstance(seed, bool) or not isinstance(seed, (int, np.integer)) or seed < 0:
-            raise ValueError(f"seed {seed!r} is not a whole number >= 0")
+        for number in (seed, car_seed if car_seed is not None else seed):
+            if isinstance(number, bool) or not isinstance(number, (int, np.integer)) or number < 0:
+                raise ValueError(f"seed {number!r} is not a whole number >= 0")
+        seeds = Seeds(int(seed), int(seed if car_seed is None else car_seed))
         if not (math.isfinite(car.nominal_radius) and car.nominal_radius > 0.0):
             raise ValueError(f"nominal radius {car.nominal_radius!r} m is not positive and finite")
         _check_names(settings)
         self._transforms = tuple(transforms)
         self._lines: list[AnalogueLine | WheelLine] = [
-            AnalogueLine(name, figures, int(seed))
+            AnalogueLine(name, figures, seeds)
             for name, figures in settings.items()
             if isinstance(figures, AnalogueSettings)
         ]
@@ -62,7 +67,7 @@ class SensorSuite:
             edges, speed = settings.get(EDGE_NAMES[wheel]), settings.get(SPEED_NAMES[wheel])
             if isinstance(edges, EncoderSettings):
                 bus_speed = speed if isinstance(speed, BusSpeedSettings) else None
-                self._lines.append(WheelLine(w, edges, bus_speed, int(seed), car.nominal_radius))
+                self._lines.append(WheelLine(w, edges, bus_speed, seeds, car.nominal_radius))
         self._next: int | None = None
 
     def advance(self, chunk: Motion) -> dict[str, Signal]:

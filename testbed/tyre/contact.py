@@ -38,7 +38,7 @@ SLIP_BOUND = 2.0  # bound of the transient slip when rolling: far on the sliding
 STATE = ("shear_x", "shear_y", "half_length", "fx", "fy")
 SHEAR_X, SHEAR_Y, HALF_LENGTH, LAST_FX, LAST_FY = range(len(STATE))
 
-# columns of a wheel's output
+# columns of a wheel's output; stiffness is the tyre's own, without the rim that a flat tyre may run on
 OUTPUT = ("load", "rolling_radius", "stiffness", "slip_ratio", "slip_angle", "fx", "fy", "mz", "drag_moment",
           "road_height", "deflection", "slip_loss", "drag_loss")  # fmt: skip
 (LOAD, ROLLING_RADIUS, STIFFNESS, SLIP_RATIO, SLIP_ANGLE, FX, FY, MZ, DRAG_MOMENT,
@@ -137,14 +137,14 @@ def _slip(tyre, state, out, pressure, fz, v_x, v_y, slip_speed, camber, friction
 
 
 @inlined
-def wheel_forces(tyre, heights, origin, state, out, wrench, centre, rim_height, velocity, spin, axis, pressure,
-                 radius_factor, friction, side, step):  # fmt: skip
-    """Forces of the road on one wheel; returns the extra force along the road's normal that acts on the rim [N].
+def wheel_forces(tyre, heights, origin, state, out, wrench, centre, rim_height, velocity, turning, spin, axis,
+                 pressure, radius_factor, friction, side, step):  # fmt: skip
+    """Forces of the road on one wheel; returns the extra force that acts on the rim of a flat tyre [N], upwards.
 
     heights, origin: the road window. state (5,), out (13,), wrench (6,): written; wrench is force and torque on the
-    belt in the world. centre, velocity: belt centre [m], [m/s], shape (3,); rim_height: how far the belt centre lies
-    above the rim's, along z [m]; spin: absolute angular velocity about `axis` [rad/s]; axis: unit spin axis, to the
-    left, cambered.
+    belt in the world. centre, velocity, turning: of the belt [m], [m/s], [rad/s], shape (3,); rim_height: how far the
+    belt centre lies above the rim's, along z [m]; spin: absolute angular velocity about `axis` [rad/s]; axis: unit spin
+    axis, to the left, cambered.
     """
     law = tyre.law
     norm = math.hypot(axis[0], axis[1])
@@ -180,7 +180,9 @@ def wheel_forces(tyre, heights, origin, state, out, wrench, centre, rim_height, 
     out[DEFLECTION] = residual + belt_load / (tyre.sidewall * factor)
 
     v_x = velocity[0] * fwx + velocity[1] * fwy + velocity[2] * fwz
+    # the contact point lies a loaded radius below the belt's centre: the wheel's roll moves it sideways
     v_y = velocity[0] * lfx + velocity[1] * lfy + velocity[2] * lfz
+    v_y += clearance * (turning[0] * fwx + turning[1] * fwy + turning[2] * fwz)
     slip_speed = spin * radius - v_x
     if fz > 0.0:
         state[HALF_LENGTH] = vertical.contact_half_length(law, factor, fz)
