@@ -11,7 +11,9 @@ import pytest
 
 from estimators.drive_log import WHEELS
 from testbed.campaign.judge import judge
+from testbed.campaign.judge_columns import QUANTITIES
 from testbed.campaign.plan import Campaign, campaign
+from testbed.course import Course, truth_of
 from tests.campaigns import made_up_rows
 
 PLAN = campaign(
@@ -164,6 +166,15 @@ def test_estimate_that_is_never_given_has_no_entry(rows: list[dict[str, Any]]) -
     assert found["estimates"] == []
     assert found["worst"] == {}
     json.dumps(found, allow_nan=False)
+
+
+def test_quantity_without_a_unit_is_refused_and_every_one_with_a_unit_has_a_truth(rows: list[dict[str, Any]]) -> None:
+    with pytest.raises(ValueError, match="no unit to judge 'mood' in; known: pressure, "):
+        judge(PLAN, [rows[0] | {"wheel_radius/fl/mood/value": [1.0] * 60}])
+    course = Course(np.array([1.0]), *(np.ones((1, 4)) for _ in range(3)))
+    for kind, quantity in QUANTITIES.items():
+        name = f"fl/{kind}" if quantity.loss else kind
+        assert truth_of(name, course, 250e3, np.ones(4)) is not None
 
 
 def test_drives_of_different_length_share_one_axis(rows: list[dict[str, Any]]) -> None:

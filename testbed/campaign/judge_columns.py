@@ -64,10 +64,15 @@ class Drives:
         return len(self.rows)
 
     def names(self) -> list[Name]:
-        """Every estimate that has a truth, in order of method, quantity and wheel."""
-        found = {key.removesuffix(VALUE) for row in self.rows for key, v in row.items() if key.endswith(VALUE) and v}
+        """Every estimate that has a truth, in order of method, quantity and wheel. ValueError for a quantity that
+        `testbed.course` knows and QUANTITIES does not."""
+        columns = {key for row in self.rows for key, values in row.items() if key.endswith(VALUE) and values}
+        found = [parsed(key.removesuffix(VALUE)) for key in columns]
         kinds, wheels = list(QUANTITIES), [None, *WHEELS]
-        return sorted(map(parsed, found), key=lambda n: (n.method, kinds.index(n.quantity), wheels.index(n.wheel)))
+        for name in found:
+            if name.quantity not in kinds:
+                raise ValueError(f"no unit to judge {name.quantity!r} in; known: {', '.join(kinds)}")
+        return sorted(found, key=lambda n: (n.method, kinds.index(n.quantity), wheels.index(n.wheel)))
 
     def column(self, name: str) -> NDArray[np.float64]:
         """A column over time, shape (drives, n): the last sample at or before each time, NaN where there is none."""
