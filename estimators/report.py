@@ -34,7 +34,14 @@ def document(path: str, log: DriveLog, car: Car, bank: Bank, said: Mapping[str, 
         }
         for name in bank.names
     }
-    return {"log": path, "car": asdict(car), "estimators": methods, "calibration": bank.calibrations()}
+    told = "car" in log.notes
+    return {
+        "log": path,
+        "car": asdict(car),
+        "car_is_of_the_log": told,
+        "estimators": methods,
+        "calibration": bank.calibrations(),
+    }
 
 
 def usable_signals(log: DriveLog) -> list[str]:
@@ -58,7 +65,13 @@ def _last_estimates(name: str, said: Mapping[str, Signal]) -> dict[str, dict[str
 
 
 def print_report(console: Console, result: Mapping[str, Any]) -> None:
-    """A table per estimator, then its alarms and flags."""
+    """What car is assumed; a table per estimator, then its alarms and flags."""
+    car = result["car"]
+    whose = "the log's" if result["car_is_of_the_log"] else "the log names none, so the default is assumed (--car FILE)"
+    known = (
+        f"{car['driven_axle']} axle driven, {car['pressure'] * 1e-3:g} kPa, radius {car['rolling_radius'] * 1e3:g} mm"
+    )
+    console.print(f"car: {whose}: {known}", highlight=False, soft_wrap=True)
     for name, method in result["estimators"].items():
         if method["missing_signals"]:
             console.print(f"{name}: unavailable, no {', '.join(method['missing_signals'])}", highlight=False)

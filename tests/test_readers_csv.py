@@ -109,6 +109,10 @@ def test_columns_that_no_built_in_map_knows_are_listed(tmp_path: Path) -> None:
         ({"signals": {"a": {"column": "x", "scale": float("nan")}}}, "scale is nan"),
         ({"signals": {"a": {"column": "x", "per": "r"}}}, "per 'r' is no constant"),
         ({"signals": {"a": {"column": "x", "gain": 2}}}, "unknown key 'gain', want column, columns"),
+        (
+            {"car": {"driven_axle": "middle"}, "signals": {"a": {"column": "x"}}},
+            r"\[car\]: car driven_axle is 'middle'",
+        ),
         ({"singals": {"a": {"column": "x"}}}, "unknown key 'singals'"),
     ],
 )

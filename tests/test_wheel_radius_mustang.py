@@ -18,6 +18,7 @@ import pytest
 from estimators.car import Car
 from estimators.drive_log import WHEELS, DriveLog, Signal
 from estimators.grid import Grid
+from estimators.readers.column_map import load_map
 from estimators.runner import Bank, run_bank
 from estimators.wheel_radius.low_pressure import likeliest_loss
 from estimators.wheel_radius.motion import CHANNELS, MotionTracker
@@ -26,17 +27,7 @@ from estimators.wheel_radius.wheel_change import wheel_change
 from tests.synthetic_drive import last
 
 PATH = Path(__file__).resolve().parents[2] / "shared" / "data" / "mustang_wheels_tpms.csv"
-CAR = Car(  # declared: published dimensions of the sixth-generation car, which the log does not name
-    cg_to_front_axle=1.25,
-    cg_to_rear_axle=1.47,
-    front_track=1.58,
-    rear_track=1.64,
-    chassis_mass=1550.0,
-    front_wheel_mass=45.0,
-    rear_wheel_mass=45.0,
-    rolling_radius=0.34,
-    driven_axle="rear",
-)
+CAR = Car.from_notes(load_map("mustang").notes)  # as the built-in map declares it
 
 
 @cache

@@ -11,6 +11,9 @@ A map is a TOML file (or the same as a dict):
     scale = 1.0                            # to seconds; default 1
     from_first = false                     # true: count from the first sample (its time goes to notes.time_origin_s)
 
+    [car]                                  # optional: fields of estimators.car.Car, SI; the default car fills the rest
+    driven_axle = "rear"
+
     [constants]                            # optional; kept in the notes
     wheel_radius_m = 0.34
 
@@ -37,6 +40,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from estimators.car import Car
 from estimators.drive_log import DriveLog, Signal
 
 BUILT_IN = Path(__file__).with_name("maps")
@@ -116,12 +120,18 @@ def _built_in_names() -> list[str]:
 
 
 def _parsed(content: Mapping[str, Any], source: str) -> ColumnMap:
-    _known(content, {"title", "delimiter", "skip_lines", "time", "constants", "signals"}, source)
+    _known(content, {"title", "delimiter", "skip_lines", "time", "car", "constants", "signals"}, source)
     time, constants, signals = (_table(content, key, source) for key in ("time", "constants", "signals"))
     _known(time, {"column", "scale", "from_first"}, f"{source} [time]")
     if not signals:
         raise ValueError(f'{source}: no signals, want tables such as [signals."wheel/fl/speed"]')
-    notes = {"column_map": Path(source).stem, "constants": dict(constants)}
+    notes: dict[str, Any] = {"column_map": Path(source).stem, "constants": dict(constants)}
+    if car := _table(content, "car", source):
+        try:
+            Car.from_notes({"car": car})
+        except ValueError as error:
+            raise ValueError(f"{source} [car]: {error}") from None
+        notes["car"] = dict(car)
     return ColumnMap(
         signals={name: _mapped(name, _table(signals, name, source), constants, source) for name in signals},
         time_column=str(time.get("column", "")),

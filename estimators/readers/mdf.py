@@ -6,9 +6,12 @@ this project. Left out: text channels, and channels whose name occurs in several
 
 from __future__ import annotations
 
+import gc
 import struct
+import sys
 import zlib
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -30,10 +33,14 @@ def read_mdf(path: str | Path, column_map: ColumnMap | Mapping[str, Any] | str |
         ) from None
     damage = (MdfException, ValueError, KeyError, IndexError, TypeError, struct.error, zlib.error, OSError)
     mapping = load_map(column_map) if column_map is not None else None
-    try:
-        file = MDF(path)
-    except damage as error:
-        raise ValueError(f"{path}: not a readable MDF4 log: {_line(error)}") from None
+    reason = ""
+    with _quiet_destructors():
+        try:
+            file = MDF(path)
+        except damage as error:
+            reason = _line(error)
+    if reason:
+        raise ValueError(f"{path}: not a readable MDF4 log: {reason}")
 
     def samples(channel: str) -> Samples:
         try:
@@ -48,6 +55,17 @@ def read_mdf(path: str | Path, column_map: ColumnMap | Mapping[str, Any] | str |
         if missing := sorted(wanted.columns - names - {wanted.time_column}):
             raise ValueError(f"{path}: no channel {missing[0]!r}, it has {', '.join(sorted(names)[:12])}")
         return mapped_log(path, wanted, samples)
+
+
+@contextmanager
+def _quiet_destructors() -> Iterator[None]:
+    """A half-made MDF object complains on stderr when it is collected, whenever that is: now, and unheard."""
+    hook, sys.unraisablehook = sys.unraisablehook, lambda _: None
+    try:
+        yield
+    finally:
+        gc.collect()
+        sys.unraisablehook = hook
 
 
 def _line(error: Exception) -> str:
