@@ -54,7 +54,7 @@ class Alarm:
 
 @dataclass(frozen=True)
 class Outputs:
-    """What an estimator says after a stretch: estimates by name (`fl/radius_change`), alarms and flags in time
+    """What an estimator says after a stretch: estimates by name (`fl/relative_radius_change`), alarms and flags in time
     order.
     """
 

@@ -4,9 +4,9 @@ Quantities by the last part of their name, as the estimators name them:
 
     WHEEL/pressure          gauge pressure [Pa]
     WHEEL/stiffness         vertical tyre stiffness [N/m]
-    WHEEL/pressure_change   against nominal, less the mean of the four [Pa]: what a method that only compares wheels
-                            with one another calls a change
-    WHEEL/radius_change     ln of the rolling radius over its reference, less the mean of the four [-]
+    WHEEL/relative_pressure_change   against nominal, less the mean of the four [Pa]: what a method that only compares
+                                     wheels with one another can know
+    WHEEL/relative_radius_change     ln of the rolling radius over its reference, less the mean of the four [-]
     delta12 delta34 delta13 delta24   r1/r2 - 1, r3/r4 - 1, r3/r1 - 1, r4/r2 - 1 [-], wheels 1 to 4 = fl fr rl rr
 
 The reference of a radius is its mean over the calibration drive, or nominal without one.
@@ -70,9 +70,9 @@ def truth_of(
         return course.pressure[:, i]
     if name == "stiffness":
         return course.stiffness[:, i]
-    if name == "pressure_change":
+    if name == "relative_pressure_change":
         return _less_mean(course.pressure - nominal_pressure)[:, i]
-    if name == "radius_change":
+    if name == "relative_radius_change":
         return _less_mean(np.log(course.rolling_radius / reference))[:, i]
     return None
 

@@ -24,7 +24,7 @@ PER_WHEEL = (
     ("slip_angle", "slip_angle"),
     ("road_height", "road_height"),
 )
-CHANGES = (("pressure_change", "Pa"), ("radius_change", ""))
+CHANGES = (("relative_pressure_change", "Pa"), ("relative_radius_change", ""))
 
 
 def attitude(quaternion: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -57,8 +57,8 @@ def truth_signals(stretch: Stretch, step: float) -> dict[str, Signal]:
 
 
 def change_signals(stretch: Stretch, nominal_pressure: float, nominal_radius: float) -> dict[str, Signal]:
-    """`truth/WHEEL/pressure_change` and `radius_change` against nominal [Pa], [m], each less the mean of the four: what
-    a method that compares the wheels with one another estimates. One value, the stretch's mean, at its end."""
+    """`truth/WHEEL/relative_pressure_change` [Pa], `relative_radius_change` [-]: against nominal, less the mean of the
+    four, which is what a comparison of wheels estimates. One value, the stretch's mean, at its end."""
     taker = CourseTaker()
     taker.add(stretch)
     course, reference = taker.course(), np.full(4, nominal_radius)

@@ -61,7 +61,7 @@ def made_up_rows(plan: Campaign, seconds: int = 60, noise: float = 4e3) -> list[
         row |= {"time_s": time.tolist(), "nominal_pressure_kpa": 250.0, "wall_s": 1.0}
         for wheel in WHEELS:
             truth = 1e3 * (pressure[wheel] - 250.0)
-            name = f"wheel_radius/{wheel}/pressure_change"
+            name = f"wheel_radius/{wheel}/relative_pressure_change"
             row[f"pressure_kpa/{wheel}"] = pressure[wheel].tolist()
             row[f"{name}/truth"] = truth.tolist()
             row[f"{name}/value"] = (truth + rng.normal(0.0, noise, seconds)).tolist()

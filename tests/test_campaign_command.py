@@ -55,7 +55,7 @@ def test_table_holds_every_drive_with_what_was_said_and_true(plain: Path) -> Non
         assert row["time_s"] == pytest.approx([1.0, 2.0, 3.0])
         assert row["distance_m"] == pytest.approx(3.0 * row["speed_kmh"] / 3.6, rel=0.02)
         assert row["pressure_kpa/fl"][-1] == pytest.approx(row["pressure_kpa.fl"], rel=0.01)
-        values = row["wheel_radius/fl/pressure_change/value"]
+        values = row["wheel_radius/fl/relative_pressure_change/value"]
         assert len(values) == 3
         assert all(abs(v) < 1e6 for v in values)  # from the first second on
     assert not list(plain.glob("*.part"))
@@ -83,8 +83,8 @@ def test_plain_drive_replays_to_the_same_numbers_by_its_scenario(plain: Path, tm
     for wheel in WHEELS:
         for name, value in found["wheels"][wheel].items():
             assert value == row[f"{wheel}/{name}"], name
-        said = found["estimates"][f"est/wheel_radius/{wheel}/pressure_change"]["value"]
-        assert said == row[f"wheel_radius/{wheel}/pressure_change/value"][-1]
+        said = found["estimates"][f"est/wheel_radius/{wheel}/relative_pressure_change"]["value"]
+        assert said == row[f"wheel_radius/{wheel}/relative_pressure_change/value"][-1]
 
 
 def test_replay_by_number_leaves_a_recording_of_a_changed_car_too(tmp_path: Path) -> None:
@@ -94,8 +94,8 @@ def test_replay_by_number_leaves_a_recording_of_a_changed_car_too(tmp_path: Path
     assert main([str(path), "--replay", "3", "--out", str(tmp_path), "--quiet"]) == 0
     log = read_log(tmp_path / "drive-3.rrd")
     row = drive_row(read_campaign(path).tasks[3])
-    said = log["est/wheel_radius/fl/pressure_change"].value
-    assert said.tolist() == row["wheel_radius/fl/pressure_change/value"]
+    said = log["est/wheel_radius/fl/relative_pressure_change"].value
+    assert said.tolist() == row["wheel_radius/fl/relative_pressure_change/value"]
     assert log.notes["car"]["chassis_mass"] == pytest.approx(0.9 * 1788.0)
 
 

@@ -50,7 +50,7 @@ def holds(figure: dict[str, Any], truth: float) -> bool:
 def test_error_of_known_noise_is_found_with_its_bias_and_consistency(scores: dict[str, Any]) -> None:
     (entry,) = scores["estimates"]
     assert (entry["method"], entry["quantity"], entry["unit"], entry["drives"]) == (
-        "wheel_radius", "pressure_change", "kPa", 80,
+        "wheel_radius", "relative_pressure_change", "kPa", 80,
     )  # fmt: skip
     assert holds(entry["rmse"], NOISE)
     assert entry["rmse"]["here"] == pytest.approx(NOISE, rel=0.03)
@@ -65,7 +65,7 @@ def test_error_of_known_noise_is_found_with_its_bias_and_consistency(scores: dic
 
 
 def test_constant_error_is_all_bias(rows: list[dict[str, Any]]) -> None:
-    name = "wheel_radius/fl/pressure_change"
+    name = "wheel_radius/fl/relative_pressure_change"
     shifted = [row | {f"{name}/value": [t + 20e3 for t in row[f"{name}/truth"]]} for row in rows]
     entry = judge(PLAN, shifted)["estimates"][0]["wheels"]["fl"]
     assert entry["bias"]["here"] == pytest.approx(20.0)
@@ -136,7 +136,7 @@ def test_map_is_over_road_and_speed_and_counts_every_drive(scores: dict[str, Any
 
 
 def test_worst_drive_is_the_one_that_errs_most(rows: list[dict[str, Any]]) -> None:
-    name = "wheel_radius/rl/pressure_change/value"
+    name = "wheel_radius/rl/relative_pressure_change/value"
     bad = [dict(row) for row in rows]
     bad[17][name] = [value + 30e3 for value in bad[17][name]]
     assert judge(PLAN, bad)["worst"] == {"wheel_radius": 17}

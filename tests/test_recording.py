@@ -242,9 +242,9 @@ def test_the_layout_asks_only_for_what_the_recording_holds(recorded: tuple[Path,
 def test_a_wheels_plot_shows_truth_and_estimate_and_is_wide_enough_for_truth_and_band(tmp_path: Path) -> None:
     with RecordingWriter(tmp_path / "a.rrd", {}) as writer:
         for wheel, mean in (("fl", 2.0), ("rr", -2.0)):
-            writer.add(f"est/m/{wheel}/radius_change", [0.0, 1.0], [mean, mean], "")
-            writer.add(f"est/m/{wheel}/radius_change/std", [0.0, 1.0], [3.0, 3.0], "")
-        writer.add("truth/fl/radius_change", [0.0, 1.0], [0.0, 9.0], "")
+            writer.add(f"est/m/{wheel}/relative_radius_change", [0.0, 1.0], [mean, mean], "")
+            writer.add(f"est/m/{wheel}/relative_radius_change/std", [0.0, 1.0], [3.0, 3.0], "")
+        writer.add("truth/fl/relative_radius_change", [0.0, 1.0], [0.0, 9.0], "")
     reader = RrdReader(tmp_path / "a.rrd")
     chunks = reader.stream(store=reader.blueprints()[0]).to_chunks()
     batches = [b for b in (chunk.to_record_batch() for chunk in chunks) if "ScalarAxis:range" in b.schema.names]
@@ -252,7 +252,11 @@ def test_a_wheels_plot_shows_truth_and_estimate_and_is_wide_enough_for_truth_and
     # a twentieth beyond: the band of rr from -5 to 1, that of fl from -1 to 5 with its truth up to 9
     assert ends == [pytest.approx([-5.3, 1.3]), pytest.approx([-1.5, 9.5])]
     asked, _ = layout(tmp_path / "a.rrd")
-    assert {"/truth/fl/radius_change", "/est/m/fl/radius_change/band", "/est/m/rr/radius_change/band"} == asked
+    assert {
+        "/truth/fl/relative_radius_change",
+        "/est/m/fl/relative_radius_change/band",
+        "/est/m/rr/relative_radius_change/band",
+    } == asked
 
 
 def test_a_log_without_truth_shows_what_its_sensors_say(tmp_path: Path) -> None:

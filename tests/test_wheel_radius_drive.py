@@ -61,13 +61,13 @@ def test_a_low_front_left_is_a_negative_fl_change_of_three_quarters_of_its_loss(
     """The mean of the four is unobservable and assumed zero, so -x shows as -3/4 x and three times +1/4 x."""
     said, _ = drive_with_loss(("fl",))
     for wheel, share in zip(WHEELS, (0.75, -0.25, -0.25, -0.25), strict=True):
-        assert_seen(said, f"{wheel}/radius_change", share * LOSS)
+        assert_seen(said, f"{wheel}/relative_radius_change", share * LOSS)
 
 
 def test_pressure_change_is_radius_change_over_sensitivity_and_its_std_holds_the_spread_of_cars() -> None:
     said, _ = drive_with_loss(("fl",))
-    radius, radius_std = last(said, "fl/radius_change")
-    pressure, std = last(said, "fl/pressure_change")
+    radius, radius_std = last(said, "fl/relative_radius_change")
+    pressure, std = last(said, "fl/relative_pressure_change")
     assert pressure == pytest.approx(radius / 4e-8, rel=1e-12)
     assert std == pytest.approx(np.hypot(radius_std / 4e-8, 0.4 * pressure), rel=1e-9)
 
@@ -94,7 +94,7 @@ def test_equal_loss_in_all_four_is_invisible() -> None:
     said, alarms = drive_with_loss(WHEELS, size=-4e-3)
     assert alarms == []
     for wheel in WHEELS:
-        assert_seen(said, f"{wheel}/radius_change", 0.0)
+        assert_seen(said, f"{wheel}/relative_radius_change", 0.0)
 
 
 def test_equal_loss_on_an_axle_is_invisible_to_the_static_residual_and_seen_by_the_longitudinal_filters() -> None:
@@ -145,7 +145,7 @@ def test_without_calibration_no_alarm_is_given_and_the_std_holds_the_spread_of_t
     bank = Bank(["wheel_radius"], Car())
     said = run_bank(bank, drive(varied_speed(100.0), radius_change=(-6e-3, 0.0, 0.0, 0.0), noise=Noise(), seed=2))
     assert bank.alarms["wheel_radius"] == []
-    assert last(said, "fl/radius_change")[1] > 1.5e-3
+    assert last(said, "fl/relative_radius_change")[1] > 1.5e-3
 
 
 def test_a_calibration_of_an_earlier_drive_makes_a_loss_from_the_start_visible() -> None:
@@ -153,7 +153,7 @@ def test_a_calibration_of_an_earlier_drive_makes_a_loss_from_the_start_visible()
     second = Bank(["wheel_radius"], Car(), calibrations())
     low = TYRES + np.array([0.0, 0.0, 0.0, LOSS])
     said = run_bank(second, drive(varied_speed(60.0), radius_change=low, noise=Noise(), seed=5))
-    assert_seen(said, "rr/radius_change", 0.75 * LOSS)
+    assert_seen(said, "rr/relative_radius_change", 0.75 * LOSS)
     assert [alarm.wheels for alarm in second.alarms["wheel_radius"]] == [("rr",)]
 
 
@@ -228,7 +228,7 @@ def test_wheel_speeds_alone_give_the_static_residual_and_say_nothing_of_which_wh
     assert_seen(said, "static_residual", -LOSS)
     assert "est/wheel_radius/delta12" not in said
     assert "est/wheel_radius/delta13" not in said
-    assert last(said, "rr/radius_change")[1] > 1.5e-3  # the contrasts that nobody sees keep their prior
+    assert last(said, "rr/relative_radius_change")[1] > 1.5e-3  # the contrasts that nobody sees keep their prior
 
 
 def test_five_minutes_without_a_loss_gives_no_alarm() -> None:

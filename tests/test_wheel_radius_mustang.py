@@ -86,4 +86,4 @@ def test_an_uncalibrated_car_gets_no_alarm_and_a_std_as_wide_as_tyres_differ() -
     bank = Bank(None, CAR)
     said = run_bank(bank, log())
     assert bank.alarms["wheel_radius"] == []
-    assert last(said, "rr/radius_change")[1] > 1.5e-3
+    assert last(said, "rr/relative_radius_change")[1] > 1.5e-3

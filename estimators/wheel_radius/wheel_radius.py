@@ -10,7 +10,9 @@ five-state lateral filter run side by side (`residuals`); their change against a
     NAME_change         against the calibration [-], once NAME is calibrated
     inverse_stiffness_left, inverse_stiffness_right     1/k of the driven wheels [-]
     gyro_offset [rad/s]  (or accel_offset [m/s^2], where lateral acceleration stands in for a gyro)
-    fl/radius_change ... rr/radius_change [-], fl/pressure_change ... [Pa]      zero mean assumed
+    WHEEL/relative_radius_change [-], WHEEL/relative_pressure_change [Pa]     against the mean of the four wheels,
+                        whose own change no comparison of wheels can see: one tyre that loses 60 kPa shows as -45, the
+                        others as +15
 
 What it cannot see: equal loss in all four; a payload or a tyre change looks like a loss until it is calibrated away.
 """
@@ -121,8 +123,8 @@ class WheelRadius(Estimator):
         radius = per_wheel(contrasts, spread)
         pressure = pressure_change(self.car, *radius)
         for i, wheel in enumerate(WHEELS):
-            said[f"{wheel}/radius_change"] = (radius[0][i], radius[1][i], "")
-            said[f"{wheel}/pressure_change"] = (pressure[0][i], pressure[1][i], "Pa")
+            said[f"{wheel}/relative_radius_change"] = (radius[0][i], radius[1][i], "")
+            said[f"{wheel}/relative_pressure_change"] = (pressure[0][i], pressure[1][i], "Pa")
         settled = reference.done.any() and now.seconds[0] >= SETTLING_TIME
         if settled and (alarm := self._alarm.step(time, contrasts, spread)):
             alarms.append(alarm)

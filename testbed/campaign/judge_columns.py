@@ -31,9 +31,9 @@ class Quantity:
 # the last part of a name, as of `testbed.course`; the first that a method gives is the one that tells low tyres
 QUANTITIES = {
     "pressure": Quantity("pressure", "kPa", 1e-3, 15.0),
-    "pressure_change": Quantity("pressure change", "kPa", 1e-3, 15.0),
+    "relative_pressure_change": Quantity("relative pressure change", "kPa", 1e-3, 15.0),
     "stiffness": Quantity("stiffness", "kN/m", 1e-3, 10.0),
-    "radius_change": Quantity("radius change", "%", 100.0, 0.05),
+    "relative_radius_change": Quantity("relative radius change", "%", 100.0, 0.05),
     **{name: Quantity(f"ratio {name}", "%", 100.0, 0.05, loss=False) for name in PAIRS},
 }
 

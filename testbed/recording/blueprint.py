@@ -35,7 +35,12 @@ class Plot:
     names: str
 
 
-QUANTITIES = ("pressure", "pressure_change", "stiffness", "radius_change")  # of a wheel, the first that is estimated
+QUANTITIES = (
+    "pressure",
+    "relative_pressure_change",
+    "stiffness",
+    "relative_radius_change",
+)  # of a wheel, the first that is estimated
 PLOTS = (
     Plot("Tyre pressure", "Pa", rf"truth/{_WHEEL}/pressure"),
     Plot("Rolling radius", "m", rf"truth/{_WHEEL}/rolling_radius"),
