@@ -27,7 +27,7 @@ from testbed.tyre.inflation import PressureSet
 
 METHOD = "wheel_radius"
 DURATION, ONSET, CALIBRATION = 440.0, 220.0, 400.0  # s
-SMALL = 1.0 / 8.0  # of all times, in the small form
+SMALL = 1.0 / 16.0  # of all times, in the small form
 WITHIN = 1.0  # s that the change of pressure takes
 NOMINAL, LOW = 250e3, 187.5e3  # Pa
 OFF = {"fl": 1.0010, "fr": 0.9995, "rl": 1.0, "rr": 1.0015}  # radius over nominal
@@ -104,7 +104,7 @@ def _drive(scenario: Scenario, learnt: Mapping[str, Mapping[str, Any]]) -> dict[
     course = taker.course()
     kept = np.arange(EVERY - 1, len(course.time), EVERY)
     row: dict[str, Any] = {
-        "time_s": course.time[kept].tolist(),
+        "time_s": (course.time[kept] + scenario.step).tolist(),
         "alarms": [float(alarm.time) for alarm in alarms],
         "wheels": [",".join(alarm.wheels) for alarm in alarms],
     }
