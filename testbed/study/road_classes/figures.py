@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.ticker import ScalarFormatter
 
 from estimators.scores.interval import Interval
 from testbed.study.road_classes.cells import FULL, PRESSURES, SPEEDS, Cell
@@ -128,6 +129,7 @@ def _errors(rows: Rows) -> Figure:
         axes.set(title=name, xlabel="ISO 8608 class")
         axes.set_xticks(range(len(roads)), roads)
         axes.set_yscale("symlog", linthresh=1.0)
+        axes.yaxis.set_major_formatter(ScalarFormatter())
     figure.axes[0].set_ylabel("error after 30 s at constant speed [1e-3]; lines: reported std")
     return figure
 

@@ -23,7 +23,7 @@ from testbed.study.road_classes.expectations import FILE, learn_paired, learn_un
 from testbed.study.road_classes.measure import measure
 from testbed.study.study import run_seed
 
-RUNS, PAIRED_RUNS = 8, 2
+RUNS, PAIRED_RUNS = 10, 2
 LEARNING, GATE = 1, 2  # purposes of `run_seed`; the study itself has 0
 MOVED = tuple(Change({}, {}, speed=1.0 + 1e-4 * k) for k in (-2, -1, 1, 2))
 FOLDER = RECORDINGS / "study-road-classes-learn"
