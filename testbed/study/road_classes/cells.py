@@ -2,8 +2,9 @@
 
 Speeds: ordinary ones on A to D. The vertical velocity that a road imposes grows as Gd v, so a class up at the same ride
 is four times slower; E to G take what eight trial drives of 40 s at 150 kPa all survived upright (20 and 40, 10 and 20,
-5 and 10 km/h; at 20 km/h one of eight on G tipped over). Class H, 0.5 m r.m.s. with slopes of a third, is no road for a
-car: of eight drives at 5 km/h four tipped over, the others stuck in a dip. It is driven to see just that.
+5 and 10 km/h; at 20 km/h one of eight on G tipped over). Even so one road of ten learnt on stopped the car on G at 10
+km/h, and two or three at 5 km/h. Class H, 0.5 m r.m.s. with slopes of a third, is no road for a car: of eight drives at
+5 km/h four tipped over, the others stuck in a dip. It is driven to see just that.
 """
 
 from __future__ import annotations

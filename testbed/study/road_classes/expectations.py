@@ -5,13 +5,13 @@ Two checks; each alarms with a probability of FALSE_ALARM a run if nothing has c
 `unpaired`, for roads that were not learnt on. Learnt for each cell and quantity: mean m_c and standard deviation s_c
 between M seeds. With n new seeds, Student t with M - 1 degrees of freedom,
 
-    cell        t = (mean - m_c) / (s_c sqrt(1/n + 1/M))
+    cell        t = (mean - m_c) / (s_c sqrt(1/n + 1/M)), s_c at least NUMERIC_FLOOR of m_c
     quantity    q = mean over cells of (x - m_c)/s_c, one number a seed, its standard deviation s_q learnt as well, so
                 that cells on the same seed's road may correlate: t = mean(q) / (s_q sqrt(1/n + 1/M))
 
 Half of FALSE_ALARM is shared (Bonferroni) by the cells and quantities, half by the quantities. A quantity sees a change
-that all cells share, well below what a cell can see. Its power is bounded by the roads: two seeds differ by some per
-cent in ride.
+that all cells share, well below what a cell can see. Its power is bounded by the roads: they move ride and load
+variation by some per cent, so that 3 % of tyre stiffness shows by itself, 3 % of damper or road level does not.
 
 `paired`, for the very roads that were learnt on: with them a drive is determined, and what is left is rounding, another
 machine's or another version's. How much a figure moves with next to nothing is learnt from starts that are 1e-4 and
@@ -20,7 +20,8 @@ more than rounding can do. s is at least NUMERIC_FLOOR of the figure. With n see
 
     t = mean(x - learnt) / (s sqrt(1/n)), K degrees of freedom, all of FALSE_ALARM shared by cells and quantities
 
-so FALSE_ALARM is an upper bound there, and the check sees changes that the roads' variety hides: this one gates.
+so FALSE_ALARM is an upper bound there, and the check sees changes that the roads' variety hides. The study drives both
+kinds of roads; the tests gate with the second.
 
 A quantity that fewer than ENOUGH of a cell's drives gave (a resonance that its spectrum does not hold) expects nothing.
 """
@@ -70,8 +71,9 @@ def learn_unpaired(rows: Rows) -> dict[str, Any]:
         for quantity in QUANTITIES:
             x = values(drives, quantity)
             x = x[np.isfinite(x)]
-            if len(x) >= max(ENOUGH * len(drives), 2) and x.std() > 0.0:
-                cells.setdefault(cell, {})[quantity] = [_rounded(x.mean()), _rounded(x.std(ddof=1))]
+            if len(x) >= max(ENOUGH * len(drives), 2):
+                std = max(float(x.std(ddof=1)), NUMERIC_FLOOR * abs(float(x.mean())))
+                cells.setdefault(cell, {})[quantity] = [_rounded(x.mean()), _rounded(std)]
     spreads = {}
     for quantity in QUANTITIES:
         q = list(_pooled(rows, cells, quantity).values())

@@ -10,6 +10,7 @@ from __future__ import annotations
 import argparse
 import json
 import os
+import re
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -59,6 +60,7 @@ def learn(path: Path, pool: Pool, paired_only: bool) -> None:
 def write(path: Path, content: dict[str, Any]) -> None:
     """A line for each figure, so that a change shows as what it is."""
     text = json.dumps(content, indent=1, allow_nan=False)
+    text = re.sub(r"[\[{][^\[\]{}]*[\]}]", lambda innermost: " ".join(innermost[0].split()), text)
     part = path.with_name(path.name + ".part")
     part.write_text(text + "\n")
     part.replace(path)
