@@ -76,7 +76,7 @@ def test_settling_and_alarm_times_are_found(rows, test_run):
 
 
 def test_an_alarm_before_the_loss_is_false_and_one_for_another_wheel_is_no_isolation(rows):
-    rows[0]["front left low after 220 s/alarms"] = [100.0, 270.0]
+    rows[0]["front left low after 220 s/alarms"] = [ONSET - 1.0, 270.0]
     rows[0]["front left low after 220 s/wheels"] = ["fl", "rr"]
     found = _figures(rows)
     assert found["share of alarms that name the wheel, front left low after 220 s"].here == pytest.approx(7.0 / 8.0)
