@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Sequence
 
 import numpy as np
 from matplotlib.figure import Figure
 
+from testbed.study.study import Row
 from testbed.study.wheel_radius.drives import TEST_RUNS
+from testbed.study.wheel_radius.wheel_radius import levels
 
-Rows = Sequence[Mapping[str, Any]]
+Rows = Sequence[Row]
 FIGURES = {
     "figure-6-front-rear": (("delta13", "r3/r1 - 1, left side"), ("delta24", "r4/r2 - 1, right side")),
     "figure-7-left-right": (("delta12", "r1/r2 - 1, front axle"), ("delta34", "r3/r4 - 1, rear axle")),
@@ -35,17 +36,17 @@ def _deltas(rows: Rows, panels: Sequence[tuple[str, str]]) -> Figure:
     for axes, (name, meaning) in zip(figure.subplots(1, 2), panels, strict=True):
         for test_run, (colour, line) in STYLES.items():
             value = 1e3 * np.array([row[f"{test_run}/{name}/value"] for row in rows], float)
-            truth = 1e3 * np.array([row[f"{test_run}/{name}/truth"] for row in rows], float).mean(axis=0)
+            right = 1e3 * levels(rows, test_run, name).mean(axis=0)
             seen = np.isfinite(value).any(axis=0)
             if seen.any():
                 low, mid, high = np.nanquantile(value[:, seen], (0.05, 0.5, 0.95), axis=0)
                 axes.fill_between(time[seen], low, high, color=colour, alpha=0.12, lw=0.0)
                 axes.plot(time[seen], mid, color=colour, ls=line, lw=1.6, label=test_run)
-            axes.plot(time, truth, color=colour, lw=0.6)
+            axes.plot(time, right, color=colour, lw=0.8)
         axes.axvline(rows[0]["onset_s"], color="0.5", lw=0.6)
         axes.set(xlabel="time [s]", ylabel=f"{name} [1e-3]", title=f"{name} = {meaning}")
     figure.axes[0].legend(fontsize="small")
-    figure.suptitle(f"Median and 5-95 % band over {len(rows)} repetitions; thin lines: truth")
+    figure.suptitle(f"Median and 5-95 % band over {len(rows)} repetitions; thin lines: the true level")
     return figure
 
 
