@@ -16,10 +16,11 @@ from pathlib import Path
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
+from estimators.whole_file import check_writable, write_json
 from testbed.arguments import RECORDINGS, Parser
 from testbed.campaign.engine import CampaignError
 from testbed.campaign.pool import Pool
-from testbed.drive import check_writable, write_json
+from testbed.drive import INTERRUPTED
 from testbed.study.registry import find_study, studies
 from testbed.study.runner import Outcome, run_study
 from testbed.study.study import Study
@@ -112,6 +113,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except (ValueError, CampaignError) as error:
         _complain(str(error))
         return 2
+    except KeyboardInterrupt:
+        _complain("interrupted; finished runs are kept")
+        return INTERRUPTED
     _print_outcome(console, study, outcome)
     for line in outcome.objections:
         _complain(line)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -10,6 +11,7 @@ from typing import Any
 
 import matplotlib as mpl
 
+from estimators.whole_file import write_whole
 from testbed.campaign.engine import run_tasks
 from testbed.campaign.pool import Pool
 from testbed.study.study import Row, Study, StudyRow
@@ -78,7 +80,7 @@ def _drawn(study: Study, rows: list[Row], folder: Path) -> list[Path]:
     with mpl.rc_context({"font.size": 9.0, "axes.grid": True, "grid.alpha": 0.3}):
         for name, figure in study.figures(rows).items():
             files.append(folder / f"{name}.png")
-            part = files[-1].with_suffix(".png.part")
-            figure.savefig(part, format="png", dpi=DOTS_PER_INCH)
-            part.replace(files[-1])
+            picture = io.BytesIO()
+            figure.savefig(picture, format="png", dpi=DOTS_PER_INCH)
+            write_whole(files[-1], picture.getvalue())
     return files

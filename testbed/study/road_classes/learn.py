@@ -16,6 +16,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from estimators.whole_file import write_whole
 from testbed.arguments import RECORDINGS, Parser
 from testbed.campaign.engine import run_tasks
 from testbed.campaign.pool import Pool
@@ -61,9 +62,7 @@ def write(path: Path, content: dict[str, Any]) -> None:
     """A line for each figure, so that a change shows as what it is."""
     text = json.dumps(content, indent=1, allow_nan=False)
     text = re.sub(r"[\[{][^\[\]{}]*[\]}]", lambda innermost: " ".join(innermost[0].split()), text)
-    part = path.with_name(path.name + ".part")
-    part.write_text(text + "\n")
-    part.replace(path)
+    write_whole(path, (text + "\n").encode())
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
