@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
-from matplotlib.ticker import ScalarFormatter
+from matplotlib.ticker import NullFormatter, ScalarFormatter
 
 from estimators.scores.interval import Interval
 from testbed.study.road_classes.cells import FULL, PRESSURES, SPEEDS, Cell
@@ -75,6 +75,10 @@ def _ride_and_load(rows: Rows) -> Figure:
             xticklabels=("5", "10", "20", "50", "100"),
         )
         axes.legend(title="ISO 8608 class", ncols=2, fontsize="small")
+    for axes, ticks in ((ride, (0.1, 0.2, 0.5, 1.0, 2.0, 5.0)), (load, (2.0, 5.0, 10.0, 20.0, 50.0, 100.0))):
+        low, high = axes.get_ylim()
+        axes.set_yticks([t for t in ticks if low <= t <= high], [f"{t:g}" for t in ticks if low <= t <= high])
+        axes.yaxis.set_minor_formatter(NullFormatter())
     ride.set(
         ylabel="vertical acceleration at the CG, weighted Wk, r.m.s. [m/s$^2$]", title=f"Ride, {PRESSURES[0]:g} kPa"
     )

@@ -49,7 +49,7 @@ class RoadClasses(Study):
     name = "road-classes"
     about = "What does the car do on road classes A to H, and is it what it did before?"
     paper = "ISO 8608 roads, ISO 2631-1 ride; a regression, no paper's experiment."
-    runs = 4
+    runs = 8
 
     @property
     def work(self) -> Callable[[Task], Row]:
