@@ -19,12 +19,15 @@ from testbed.campaign.fields import FIELDS
 from testbed.campaign.plan import KEYS
 from testbed.drive import main as drive
 from testbed.manoeuvres.manoeuvre import manoeuvres
+from testbed.study.__main__ import main as study
+from testbed.study.registry import studies
 
 ROOT = Path(__file__).resolve().parents[1]
 README = (ROOT / "README.md").read_text()
 COMMANDS = re.findall(r"^\$ (.+)$", README, re.MULTILINE)
 DRIVES = [c for c in COMMANDS if c.startswith("python -m testbed.drive")]
 CAMPAIGNS = [c for c in COMMANDS if c.startswith("python -m testbed.campaign")]
+STUDIES = [c for c in COMMANDS if c.startswith("python -m testbed.study")]
 LOGS = [c for c in COMMANDS if c.startswith("python -m estimators") and " design-cusum " not in c]
 DESIGNS = [c for c in COMMANDS if c.startswith("python -m estimators design-cusum ")]
 
@@ -128,6 +131,23 @@ def test_readme_lists_every_kind_of_detector_and_the_options_of_its_design():
     assert set(rows) == {kind.__name__ for kind in Detector.__subclasses__()}
     known = {name for action in design_parser()._actions for name in action.option_strings}
     assert set(re.findall(r"--[a-z][a-z0-9-]+", section)) <= known
+
+
+@pytest.mark.parametrize("command", STUDIES)
+def test_readme_study_runs(command, tmp_path, monkeypatch, capsys):
+    """As typed, but one run of its small form, in a folder of its own."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "recordings").mkdir()
+    words = shlex.split(command)[3:]
+    assert study([*words, "--runs", "1", "--small", "--jobs", "1"]) == 0
+    written = [tmp_path / words[i + 1] for i, word in enumerate(words) if word == "--json"]
+    assert all(file.is_file() for file in written)
+    assert capsys.readouterr().out
+
+
+def test_readme_shows_every_study():
+    table = README[README.index("## Studies") : README.index("## How to add")]
+    assert set(re.findall(r"^\| `([a-z-]+)`", table, re.MULTILINE)) == set(studies())
 
 
 def test_files_that_the_readme_names_exist():

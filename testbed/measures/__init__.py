@@ -1,0 +1,1 @@
+"""Figures measured on the history of a drive: comfort, resonances."""

@@ -1,0 +1,1 @@
+"""Studies: published experiments and standing questions, each answered by one command: a table, figures and JSON."""
