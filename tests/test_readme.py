@@ -32,12 +32,17 @@ LOGS = [c for c in COMMANDS if c.startswith("python -m estimators") and " design
 DESIGNS = [c for c in COMMANDS if c.startswith("python -m estimators design-cusum ")]
 
 
+def section(heading: str) -> str:
+    """What stands under a heading, up to the next one of its level."""
+    return README[README.index(heading) :].split("\n## ", 1)[0]
+
+
 def _options_in(text: str) -> set[str]:
     return set(re.findall(r"`(--[a-z-]+)`", text))
 
 
 def test_readme_names_every_option_of_a_drive_and_no_other():
-    table = README[README.index("## Options of a drive") : README.index("## Estimators")]
+    table = section("## Options of a drive")
     actions = drive_parser()._actions
     known = {name for action in actions for name in action.option_strings if name not in ("-h", "--help")}
     assert _options_in(table) == known
@@ -88,8 +93,8 @@ def test_readme_shows_the_example_campaign_as_it_is():
 
 
 def test_readme_names_every_field_and_distribution_of_a_campaign_and_no_other():
-    section = README[README.index("## Many drives") : README.index("## Estimators")]
-    table = "\n".join(row for row in section.splitlines() if row.startswith("|"))
+    part = section("## Many drives")
+    table = "\n".join(row for row in part.splitlines() if row.startswith("|"))
     assert set(re.findall(r"`\[?([a-z_]+)\]?`", table)) == {*FIELDS, *KEYS}
     assert set(re.findall(r"`\{ ([a-z_]+) = ", table)) - {"rate", "to"} == set(KINDS)
 
@@ -112,10 +117,10 @@ def test_readme_campaign_runs(command, tmp_path, monkeypatch, capsys):
 
 
 def test_options_of_a_campaign_in_the_readme_exist():
-    section = README[README.index("## Many drives") : README.index("## Estimators")]
+    part = section("## Many drives")
     known = {name for action in campaign_parser()._actions for name in action.option_strings}
     assert {"--jobs", "--backend"} <= known
-    assert _options_in(section) <= known
+    assert _options_in(part) <= known
 
 
 @pytest.mark.parametrize("command", DESIGNS)
@@ -126,11 +131,11 @@ def test_readme_design_prints_what_is_shown(command, capsys):
 
 
 def test_readme_lists_every_kind_of_detector_and_the_options_of_its_design():
-    section = README[README.index("## Detectors") : README.index("## How to add")]
-    rows = re.findall(r"^\| `(\w+)`", section, re.MULTILINE)
+    part = section("## Detectors")
+    rows = re.findall(r"^\| `(\w+)`", part, re.MULTILINE)
     assert set(rows) == {kind.__name__ for kind in Detector.__subclasses__()}
     known = {name for action in design_parser()._actions for name in action.option_strings}
-    assert set(re.findall(r"--[a-z][a-z0-9-]+", section)) <= known
+    assert set(re.findall(r"--[a-z][a-z0-9-]+", part)) <= known
 
 
 @pytest.mark.parametrize("command", STUDIES)
@@ -146,7 +151,7 @@ def test_readme_study_runs(command, tmp_path, monkeypatch, capsys):
 
 
 def test_readme_shows_every_study():
-    table = README[README.index("## Studies") : README.index("## How to add")]
+    table = section("## Studies")
     assert set(re.findall(r"^\| `([a-z-]+)`", table, re.MULTILINE)) == set(studies())
 
 
