@@ -1,1 +1,1 @@
-"""The study `detector-design`: the change detectors of Razavi's thesis, their designs as printed and as they should be."""
+"""The study `detector-design`: the change detectors of Razavi's thesis, as printed and as they should be."""

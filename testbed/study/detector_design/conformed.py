@@ -14,15 +14,16 @@ from scipy.stats import kurtosis, norm
 
 from estimators.detectors import CusumMean, count_alarms, empirical_threshold, siegmund_threshold
 from estimators.detectors.simulate import Noise
-from estimators.scores.interval import mean_interval, poisson_rate_interval
+from estimators.scores.interval import mean_interval
+from testbed.study.detector_design.rates import PER_HOUR, clustered_rate
 from testbed.study.detector_design.residuals import HOLD, Array, conform, residuals
 from testbed.study.detector_design.thesis import CONFORMED, CONFORMED_ASKED, Conformed
-from testbed.study.detector_design.thresholds import PER_HOUR, exact_threshold
+from testbed.study.detector_design.thresholds import exact_threshold
 from testbed.study.study import Row, StudyRow, Task, run_seed
 
 PART = "conformed"
 PURPOSE = 3  # of the seeds
-SAMPLES, SMALL = 1 << 21, 1 << 17  # before the removal; of a repetition, and as many for the record
+SAMPLES, SMALL = 1 << 21, 1 << 15  # before the removal; of a repetition, and as many for the record
 RECORD_ARL, SMALL_ARL = 1e4, 1e3  # samples
 HOLDS = {"independent": 1, "in bursts": HOLD}
 
@@ -103,15 +104,13 @@ def _of_residuals(case: Conformed, own: Sequence[Row]) -> Iterator[StudyRow]:
     )
     asked = own[0]["record_arl0"]
     for kind, those in found.items():
-        rate = poisson_rate_interval(sum(one["alarms"] for one in those), sum(one["samples"] for one in those))
+        rate = clustered_rate([one["alarms"] for one in those], [one["samples"] for one in those])
         yield StudyRow.of(
             f"{case.tested} false alarms, {kind}", "1/h", rate, limit=PER_HOUR / CONFORMED_ASKED, scale=PER_HOUR
         )
         limit = mean_interval([one["limit"] for one in those])
         yield StudyRow.of(f"{case.tested} threshold of a record, {kind}", "-", limit)
-        rate = poisson_rate_interval(
-            sum(one["alarms_of_limit"] for one in those), sum(one["samples_of_limit"] for one in those)
-        )
+        rate = clustered_rate([one["alarms_of_limit"] for one in those], [one["samples_of_limit"] for one in those])
         yield StudyRow.of(
             f"{case.tested} false alarms with it, {kind}", "1/h", rate, limit=PER_HOUR / asked, scale=PER_HOUR
         )

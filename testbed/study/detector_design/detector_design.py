@@ -1,15 +1,15 @@
 """Study `detector-design`: Razavi, Error Detection in the Active Front Steering system, Lund 2006, chapters 4 and 5.
 
-Its thresholds and drifts as printed, as they should be, and what false-alarm rate each really has; whether the designs of
-`estimators.detectors` have the run lengths that they state; local detectors side by side. One file a topic:
+Its thresholds and drifts as printed, as they should be, and what false-alarm rate each really has; whether the designs
+of `estimators.detectors` have the run lengths that they state; local detectors side by side. One file a topic:
 
     designs     stated over simulated run length, every kind of detector
     thresholds  Figures 4.1 to 4.12           variance   Figures 4.22 to 4.32
     conformed   Figures 4.13 to 4.21          local, scenarios   local detectors, Table 5.1
 
 The thesis' residuals are not available: where it uses them, simulated ones with their stated properties stand in
-(`residuals`). The table's `paper` is what the thesis prints, or what its formula gives where it only plots that; `limit`
-what was asked for, or the right design.
+(`residuals`). The table's `paper` is what the thesis prints, or what its formula gives where it only plots that;
+`limit` what was asked for, or the right design.
 """
 
 from __future__ import annotations
@@ -40,16 +40,14 @@ class DetectorDesignStudy(Study):
     name = "detector-design"
     about = "Which false-alarm rate do the thesis' detectors really have, and do designs here have the one they state?"
     paper = "Razavi, Error Detection in the Active Front Steering system, Lund 2006, chapters 4 and 5."
-    runs = 8
+    runs = 6
 
     @property
     def work(self) -> Callable[[Task], Row]:
         return simulate
 
     def tasks(self, runs: int, seed: int, small: bool) -> list[Task]:
-        return [
-            task for number in range(runs) for part in PARTS.values() for task in part.tasks(seed, number, small)
-        ]
+        return [task for number in range(runs) for part in PARTS.values() for task in part.tasks(seed, number, small)]
 
     def table(self, rows: Sequence[Row]) -> list[StudyRow]:
         return [row for part in PARTS.values() for row in part.table(rows)]

@@ -1,4 +1,5 @@
 """placeholder"""
 
+
 def figures(rows):
     return {}

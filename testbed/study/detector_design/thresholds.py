@@ -17,7 +17,7 @@ from scipy.optimize import brentq, minimize_scalar
 from scipy.stats import norm
 
 from estimators.detectors import CusumMean, count_alarms, design_cusum_mean, siegmund_run_length, siegmund_threshold
-from estimators.scores.interval import Interval, poisson_rate_interval
+from testbed.study.detector_design.rates import PER_HOUR, pooled_rate
 from testbed.study.detector_design.thesis import (
     CHANGE_AT,
     FALSE_ALARMS_4_7,
@@ -35,7 +35,6 @@ SAMPLES, SMALL = 1 << 26, 1 << 18  # of a repetition
 BLOCK = 1 << 18  # samples; a block starts from g = 0
 FIGURE_DRIFT = 5.0  # nu of Figures 4.4 and 4.5
 FLAT = 1e-3  # of a delay: by less, one nu is not better than another
-PER_HOUR = 3600.0 * RATE
 
 
 def readings(threshold: Threshold) -> dict[str, float]:
@@ -103,7 +102,7 @@ def table(rows: Sequence[Row]) -> Iterator[StudyRow]:
     """Figures 4.1 to 4.6, then the twelve thresholds."""
     yield from _curves()
     own = [row for row in rows if row["part"] == PART]
-    samples = sum(row["samples"] for row in own)
+    samples = [row["samples"] for row in own]
     for place, (threshold, reading, std) in enumerate(CASES):
         if std == threshold.variance:
             yield StudyRow(
@@ -114,7 +113,7 @@ def table(rows: Sequence[Row]) -> Iterator[StudyRow]:
         name = f"{threshold.name}{reading}"
         yield StudyRow(f"{name}: ARL0, exact", "samples", here=exact_run_length(threshold, std), limit=threshold.asked)
         if own:
-            rate = poisson_rate_interval(sum(row["alarms"][place] for row in own), samples)
+            rate = pooled_rate([row["alarms"][place] for row in own], samples)
             yield StudyRow.of(
                 f"{name}: false alarms, simulated", "1/h", rate, limit=PER_HOUR / threshold.asked, scale=PER_HOUR
             )
@@ -122,8 +121,8 @@ def table(rows: Sequence[Row]) -> Iterator[StudyRow]:
         yield _false_alarms_of_4_7(own, samples)
 
 
-def _false_alarms_of_4_7(own: Sequence[Row], samples: int) -> StudyRow:
-    rate = poisson_rate_interval(sum(row["alarms"][0] for row in own), samples)
+def _false_alarms_of_4_7(own: Sequence[Row], samples: Sequence[int]) -> StudyRow:
+    rate = pooled_rate([row["alarms"][0] for row in own], samples)
     until = CHANGE_AT * RATE
     return StudyRow.of(
         f"{THRESHOLDS[0].name}: false alarms in {CHANGE_AT:g} s", "-", rate, float(FALSE_ALARMS_4_7),
@@ -155,10 +154,3 @@ def _curves() -> Iterator[StudyRow]:
 def siegmund_needs_none(asked: float) -> float:
     """sigma of Figure 4.4 where Siegmund's threshold crosses 0."""
     return float(brentq(lambda std: siegmund_threshold(FIGURE_DRIFT, asked, std), 0.5, 5.0))
-
-
-def simulated_run_length(rows: Sequence[Row], place: int) -> Interval:
-    """ARL0 of a case [samples]; infinite where nothing alarmed."""
-    own = [row for row in rows if row["part"] == PART]
-    rate = poisson_rate_interval(sum(row["alarms"][place] for row in own), sum(row["samples"] for row in own))
-    return Interval(*(1.0 / x if x > 0.0 else np.inf for x in (rate.value, rate.high, rate.low)))
