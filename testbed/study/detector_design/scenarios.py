@@ -2,8 +2,9 @@
 
 Its definition: the largest and smallest residual, a drift, a threshold, and that there is no false alarm in scenarios
 of unstated length. So from the table itself follow how many samples the largest residual takes to the threshold, and
-that no constant error below the drift is found. The rest is on simulated residuals in bursts within the two ranges (normal:
-calm ones only). abs: of |r|, as in (2.25), which the thesis' single-sided tests use to see both signs.
+that no constant error below the drift is found. The rest is on simulated residuals in bursts within the two ranges
+(normal: calm ones only), and depends on how long those are taken to hold. abs: of |r|, as in (2.25), which the thesis'
+single-sided tests use to see both signs.
 """
 
 from __future__ import annotations
