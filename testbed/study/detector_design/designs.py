@@ -38,7 +38,7 @@ KINDS: dict[str, Callable[[float], Design]] = {
     "ACS": lambda arl0: design_integrator(0.5, arl0, "upper", period=60),
 }
 ALARMS = {1e2: 2000, 1e3: 2000, 1e4: 2000, 1e5: 1000}  # of a repetition
-SMALL = {1e2: 400, 3e2: 400}
+SMALL = {1e2: 400}
 PART = "run lengths"
 PURPOSE = 10  # of the seeds, from here on one a kind
 

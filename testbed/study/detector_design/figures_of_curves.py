@@ -17,7 +17,8 @@ from testbed.study.detector_design.thresholds import FIGURE_DRIFT, exact_delay, 
 
 Points = Iterable[float]
 THESIS, EXACT = {"color": "C3", "ls": "--"}, {"color": "C0", "ls": "-"}
-VARIANCE_ARL = 2e4  # samples, of Figures 4.24 and 4.26
+VARIANCE_ARL = 2e4  # samples, of Figure 4.26
+VARIANCE_THRESHOLD = 10.0  # of Figure 4.24
 ROUGH = 1e-3  # of run lengths of a variance: enough for a picture
 
 
@@ -79,8 +80,9 @@ def _mean_thresholds() -> Figure:
 
 
 def _variance() -> Figure:
-    figure = Figure(figsize=(11.0, 6.5), layout="constrained")
-    (change, start, every), (arl, drift, delay) = figure.subplots(2, 3)
+    figure = Figure(figsize=(13.0, 6.0), layout="constrained")
+    (change, start, needed, every), (arl, drift, delay, rest) = figure.subplots(2, 4)
+    rest.set_axis_off()
     after, before = np.linspace(1.2, 10.0, 30), np.linspace(0.5, 4.5, 30)
     _both(change, after, lambda s1: thesis_theta(1.0, s1), lambda s1: variance_drift(1.0, s1), "variance after")
     change.set(title="4.22: variance before 1", ylabel="theta")
@@ -97,14 +99,17 @@ def _variance() -> Figure:
     every.set_xticks(place, [f"{c.before:g} to {c.after:g}" for c in VARIANCE_CHANGES], fontsize=7.0)
     every.set(title="theta of 4.27 to 4.32", yscale="log")
     every.legend(fontsize="small")
-    lengths = np.geomspace(10.0, 1e5, 9)
+    thetas = np.linspace(1.2, 16.0, 20)
+    lengths = [variance_run_length(VARIANCE_THRESHOLD, float(t), "increase", agree=ROUGH) for t in thetas]
+    needed.plot(lengths, thetas, **EXACT)
+    needed.set(title=f"4.24: h {VARIANCE_THRESHOLD:g}", xscale="log", xlabel="ARL0 [samples]", ylabel="theta")
+    lengths = np.geomspace(10.0, 1e5, 9).tolist()
     for theta, name in ((thesis_theta(1.0, 3.0), "thesis"), (variance_drift(1.0, 3.0), "exact")):
         style = THESIS if name == "thesis" else EXACT
         arl.plot(lengths, [_threshold(theta, float(a)) for a in lengths], **style)
     arl.set(title="4.25: 1 to 3, theta as each has it", xscale="log", xlabel="ARL0 [samples]", ylabel="threshold h")
-    thetas = np.linspace(1.2, 16.0, 20)
     drift.plot(thetas, [_threshold(float(t), VARIANCE_ARL) for t in thetas], **EXACT)
-    drift.set(title=f"4.26 (4.24 is its inverse): ARL0 {VARIANCE_ARL:g}", xlabel="theta", ylabel="threshold h")
+    drift.set(title=f"4.26: ARL0 {VARIANCE_ARL:g}", xlabel="theta", ylabel="threshold h")
     drift.axvline(variance_drift(1.0, 3.0), color="0.5", lw=0.8)
     near = np.linspace(1.25, 2.75, 11)
     delay.plot(near, [_delay(float(t)) for t in near], **EXACT)

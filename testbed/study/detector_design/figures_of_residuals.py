@@ -55,7 +55,7 @@ def local(rows: Sequence[Row]) -> dict[str, Figure]:
     right.axhline(TRIAL, color="0.5", lw=0.8)
     left.set(title=f"Gaussian, ARL0 {own[0]['arl0']:g}", xlabel="shift [std]", ylabel="mean delay [samples]")
     right.set(
-        title="Simulated residuals in bursts; top line: not found in half of the trials", xlabel="constant error",
+        title="Residuals in bursts; top: over half not found", xlabel="constant error",
         ylabel="median delay [samples]", xscale="log",
     )  # fmt: skip
     left.set_yscale("log")
