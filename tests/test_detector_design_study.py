@@ -13,6 +13,8 @@ from estimators.detectors.cusum import variance_run_length
 from testbed.study.detector_design import designs, thresholds, variance
 from testbed.study.detector_design.conformed import gaussian_distance
 from testbed.study.detector_design.detector_design import DetectorDesignStudy, simulate
+from testbed.study.detector_design.figures_of_curves import curves
+from testbed.study.detector_design.figures_of_residuals import conformed
 from testbed.study.detector_design.rates import clustered_rate, inverse, pooled_rate
 from testbed.study.detector_design.residuals import (
     ACTIVE,
@@ -177,3 +179,15 @@ def test_alarms_that_come_together_are_known_less_well_than_independent_ones():
     assert clustered_rate([0, 0], [1000, 1000]).high > 0.0
     assert clustered_rate([3], [1000]).high == inf
     assert inverse(pooled_rate([0], [1000])).high == inf
+
+
+def test_exact_curves_lie_where_the_figures_of_the_thesis_put_them():
+    """Figures that the small form leaves out: drawn, and a delay is never below one sample, no threshold below 0."""
+    drawn = curves() | conformed()
+    assert len(drawn) == 4
+    for axes in drawn["figures-4.1-4.3-delay"].axes:
+        thesis, exact = (line.get_ydata() for line in axes.lines[:2])
+        assert min(exact) >= 1.0
+        assert min(thesis) > 0.0
+    assert min(min(axes.lines[1].get_ydata()) for axes in drawn["figures-4.4-4.6-threshold"].axes) == 0.0
+    assert min(min(axes.lines[0].get_ydata()) for axes in drawn["figures-4.4-4.6-threshold"].axes) < 0.0

@@ -40,7 +40,7 @@ class DetectorDesignStudy(Study):
     name = "detector-design"
     about = "Which false-alarm rate do the thesis' detectors really have, and do designs here have the one they state?"
     paper = "Razavi, Error Detection in the Active Front Steering system, Lund 2006, chapters 4 and 5."
-    runs = 6
+    runs = 4
 
     @property
     def work(self) -> Callable[[Task], Row]:
