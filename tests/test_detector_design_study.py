@@ -132,8 +132,8 @@ def test_a_local_detector_is_shown_nothing_beyond_its_limit():
 def test_simulated_false_alarms_are_those_of_the_exact_run_length():
     row = simulate(thresholds.tasks(3, 0, True)[0])
     compared = 0
-    for (threshold, _, std), alarms in zip(thresholds.CASES, row["alarms"], strict=True):
-        expected = row["samples"] / thresholds.exact_run_length(threshold, std)
+    for (threshold, _, std), alarms, samples in zip(thresholds.CASES, row["alarms"], row["samples"], strict=True):
+        expected = samples / thresholds.exact_run_length(threshold, std)
         if expected > 20.0:
             compared += 1
             assert abs(alarms - expected) <= SIGMAS * sqrt(expected)

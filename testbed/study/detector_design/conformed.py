@@ -23,7 +23,7 @@ from testbed.study.study import Row, StudyRow, Task, run_seed
 
 PART = "conformed"
 PURPOSE = 3  # of the seeds
-SAMPLES, SMALL = 1 << 21, 1 << 15  # before the removal; of a repetition, and as many for the record
+SAMPLES, SMALL = 1 << 20, 1 << 15  # before the removal; of a repetition, and as many for the record
 RECORD_ARL, SMALL_ARL = 1e4, 1e3  # samples
 HOLDS = {"independent": 1, "in bursts": HOLD}
 

@@ -11,15 +11,15 @@ from matplotlib.figure import Figure
 from testbed.study.detector_design.designs import KINDS, ratios
 from testbed.study.detector_design.figures_of_curves import curves
 from testbed.study.detector_design.figures_of_residuals import conformed, local
-from testbed.study.detector_design.rates import inverse, pooled_rate
-from testbed.study.detector_design.thresholds import CASES, PART, SAMPLES, exact_run_length
+from testbed.study.detector_design.rates import inverse
+from testbed.study.detector_design.thresholds import CASES, PART, SAMPLES, alarm_rate, exact_run_length
 from testbed.study.study import Row
 
 
 def figures(rows: Sequence[Row]) -> dict[str, Figure]:
     """By file name; of the small form those of its rows alone, as drawing the others takes longer than its work."""
     drawn = {"run-lengths": _run_lengths(rows), "figures-4.7-4.12-thresholds": _thresholds(rows), **local(rows)}
-    small = any(row["part"] == PART and row["samples"] < SAMPLES for row in rows)
+    small = any(row["part"] == PART and max(row["samples"]) < SAMPLES for row in rows)
     return drawn if small else drawn | curves() | conformed()
 
 
@@ -57,7 +57,7 @@ def _thresholds(rows: Sequence[Row]) -> Figure:
     axes.plot(place, [exact_run_length(t, std) for t, _, std in CASES], "o", color="C0", mfc="none", label="exact")
     for label, marker, reached in (("simulated", "s", True), ("no alarm: lower end of the interval", "^", False)):
         kept = [i for i in place if (sum(row["alarms"][i] for row in own) > 0) == reached] if own else []
-        seen = [inverse(pooled_rate([row["alarms"][i] for row in own], [row["samples"] for row in own])) for i in kept]
+        seen = [inverse(alarm_rate(own, int(i))) for i in kept]
         if reached:
             ends = [[s.value - s.low for s in seen], [s.high - s.value for s in seen]]
             axes.errorbar(kept, [s.value for s in seen], ends, fmt=marker, color="C3", ms=4.0, label=label)

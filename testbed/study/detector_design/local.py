@@ -36,7 +36,7 @@ from testbed.study.study import Row, StudyRow, Task, run_seed
 PART = "local"
 PURPOSE = 4  # of the seeds
 ARL0, SMALL_ARL0 = 1e4, 100.0  # samples
-RECORD, SMALL_RECORD = 1 << 21, 1 << 15  # samples
+RECORD, SMALL_RECORD = 1 << 20, 1 << 15  # samples
 SHIFTS = (0.5, 1.0, 1.5, 2.0, 3.0, 4.0)  # std
 LIMIT = 2.0  # std
 FORGETTING = 0.95  # both GMAs, near the best for a shift of 1

@@ -23,7 +23,7 @@ from testbed.study.study import Row, StudyRow, Task, run_seed
 
 PART = "scenarios"
 PURPOSE = 5  # of the seeds
-SAMPLES, SMALL = 1 << 21, 1 << 15  # of a repetition
+SAMPLES, SMALL = 1 << 20, 1 << 15  # of a repetition
 ARL0, SMALL_ARL0 = 1e4, 1e3  # samples, for the threshold of a record
 SIDES = {"r": np.positive, "abs r": np.abs}
 ERROR = 50.0  # constant, the smallest that the thesis' conclusion claims

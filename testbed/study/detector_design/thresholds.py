@@ -17,6 +17,7 @@ from scipy.optimize import brentq, minimize_scalar
 from scipy.stats import norm
 
 from estimators.detectors import CusumMean, count_alarms, design_cusum_mean, siegmund_run_length, siegmund_threshold
+from estimators.scores.interval import Interval
 from testbed.study.detector_design.rates import PER_HOUR, pooled_rate
 from testbed.study.detector_design.thesis import (
     CHANGE_AT,
@@ -32,6 +33,7 @@ from testbed.study.study import Row, StudyRow, Task, run_seed
 PART = "thresholds"
 PURPOSE = 1  # of the seeds
 SAMPLES, SMALL = 1 << 26, 1 << 18  # of a repetition
+SHARE, RARE = 16, (1e4, 1e8)  # only run lengths between are shown them all, others one in SHARE
 BLOCK = 1 << 18  # samples; a block starts from g = 0
 FIGURE_DRIFT = 5.0  # nu of Figures 4.4 and 4.5
 FLAT = 1e-3  # of a delay: by less, one nu is not better than another
@@ -53,15 +55,24 @@ def tasks(seed: int, number: int, small: bool) -> list[Task]:
 
 
 def simulate(task: Task) -> Row:
-    """`samples`, and `alarms`: false ones in them, for each of `CASES`. All are shown the same noise."""
+    """For each of `CASES` the `samples` it was shown, of the same noise, and false `alarms` in them."""
     generator = np.random.Generator(np.random.SFC64(task["seed"]))
     detectors = [CusumMean(t.drift / std, max(t.printed, 0.0) / std) for t, _, std in CASES]
-    alarms = [0] * len(CASES)
-    for _ in range(task["samples"] // BLOCK):
+    rare = [RARE[0] < exact_run_length(threshold, std) < RARE[1] for threshold, _, std in CASES]
+    alarms, samples = [0] * len(CASES), [0] * len(CASES)
+    for number in range(task["samples"] // BLOCK):
         noise = generator.standard_normal(BLOCK)
         for place, (threshold, _, _) in enumerate(CASES):
-            alarms[place] += BLOCK if threshold.printed < 0.0 else count_alarms(detectors[place], noise)
-    return {"part": PART, "samples": task["samples"], "alarms": alarms}
+            if rare[place] or number % SHARE == 0:
+                samples[place] += BLOCK
+                alarms[place] += BLOCK if threshold.printed < 0.0 else count_alarms(detectors[place], noise)
+    return {"part": PART, "samples": samples, "alarms": alarms}
+
+
+def alarm_rate(rows: Sequence[Row], place: int) -> Interval:
+    """False alarms per sample of a case. ValueError without such rows."""
+    own = [row for row in rows if row["part"] == PART]
+    return pooled_rate([row["alarms"][place] for row in own], [row["samples"][place] for row in own])
 
 
 def exact_run_length(threshold: Threshold, std: float) -> float:
@@ -102,7 +113,6 @@ def table(rows: Sequence[Row]) -> Iterator[StudyRow]:
     """Figures 4.1 to 4.6, then the twelve thresholds."""
     yield from _curves()
     own = [row for row in rows if row["part"] == PART]
-    samples = [row["samples"] for row in own]
     for place, (threshold, reading, std) in enumerate(CASES):
         if std == threshold.variance:
             yield StudyRow(
@@ -113,16 +123,16 @@ def table(rows: Sequence[Row]) -> Iterator[StudyRow]:
         name = f"{threshold.name}{reading}"
         yield StudyRow(f"{name}: ARL0, exact", "samples", here=exact_run_length(threshold, std), limit=threshold.asked)
         if own:
-            rate = pooled_rate([row["alarms"][place] for row in own], samples)
+            rate = alarm_rate(own, place)
             yield StudyRow.of(
                 f"{name}: false alarms, simulated", "1/h", rate, limit=PER_HOUR / threshold.asked, scale=PER_HOUR
             )
     if own:
-        yield _false_alarms_of_4_7(own, samples)
+        yield _false_alarms_of_4_7(own)
 
 
-def _false_alarms_of_4_7(own: Sequence[Row], samples: Sequence[int]) -> StudyRow:
-    rate = pooled_rate([row["alarms"][0] for row in own], samples)
+def _false_alarms_of_4_7(own: Sequence[Row]) -> StudyRow:
+    rate = alarm_rate(own, 0)
     until = CHANGE_AT * RATE
     return StudyRow.of(
         f"{THRESHOLDS[0].name}: false alarms in {CHANGE_AT:g} s", "-", rate, float(FALSE_ALARMS_4_7),
