@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from functools import cache
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -16,7 +17,8 @@ from testbed.study.detector_design.thesis import MEAN_CURVES, THETAS, VARIANCE_C
 from testbed.study.detector_design.thresholds import FIGURE_DRIFT, exact_delay, exact_threshold, siegmund_delay
 
 Points = Iterable[float]
-THESIS, EXACT = {"color": "C3", "ls": "--"}, {"color": "C0", "ls": "-"}
+THESIS: dict[str, Any] = {"color": "C3", "ls": "--"}
+EXACT: dict[str, Any] = {"color": "C0", "ls": "-"}
 VARIANCE_ARL = 2e4  # samples, of Figure 4.26
 VARIANCE_THRESHOLD = 10.0  # of Figure 4.24
 ROUGH = 1e-3  # of run lengths of a variance: enough for a picture
