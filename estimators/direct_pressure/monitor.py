@@ -30,7 +30,16 @@ Array = NDArray[np.float64]
 TIME, RUN, LATCHED, SINCE, EXCESS, HEARD, X, STATUS = range(8)
 """Of `status`. RUN: outliers in a row, with sign; EXCESS: largest statistic over its threshold; X: last whitened innovation."""
 NOTHING, LEAK, REFILL = range(3)  # what a sample may set off
-SAID = ("time", "pressure", "pressure_std", "rate", "rate_std", "excess", "event", "x")  # columns of what `follow` gives
+SAID = (
+    "time",
+    "pressure",
+    "pressure_std",
+    "rate",
+    "rate_std",
+    "excess",
+    "event",
+    "x",
+)  # columns of what `follow` gives
 _KEPT = 8.0  # s; a silence of more than so many intervals leaves no evidence from before
 
 
@@ -58,7 +67,7 @@ def _begin(m, time, z, variance, disturbance):
     quiet.start(m.quiet, z, variance, disturbance)
     leak.start(m.leak, z, variance, disturbance, 10.0**2)
     for row in m.bank:
-        bank.begin(row, time)
+        bank.begin(row, time, m.noise[noise.INTERVAL])
     m.status[:] = 0.0
     m.status[TIME], m.status[HEARD] = time, 1.0
 
@@ -75,7 +84,7 @@ def _measured(m, time, z, disturbance):
 def _rewind(m, time):
     """The CUSUMs back to 0."""
     for row in m.bank:
-        bank.begin(row, time)
+        bank.begin(row, time, m.noise[noise.INTERVAL])
 
 
 @inlined
@@ -151,7 +160,7 @@ def _alarm(m, time, x, gain_a, gain_e, total):
     s, n = m.status, m.noise
     if n[noise.WARM] > 0.0:
         return NOTHING
-    bank.take(m.bank, x, time, gain_a, gain_e, total)
+    bank.take(m.bank, x, time, n[noise.INTERVAL], gain_a, gain_e, total)
     s[EXCESS], first = 0.0, 0
     column, share = thresholds.place(n[noise.INTERVAL])
     for i in range(len(SHIFTS)):

@@ -15,22 +15,23 @@ LOWEST_PRESSURE, HIGHEST_PRESSURE = -20e3, 1.5e6  # Pa, gauge; beyond it is no t
 LOWEST_TEMPERATURE, HIGHEST_TEMPERATURE = 200.0, 480.0  # K
 
 BETWEEN_FALSE_ALARMS = 100.0 * 3600.0  # s, mean, over the four wheels together
-SHIFTS = (0.075, 0.15, 0.3, 0.6, 1.2, 2.4)  # changes of the whitened innovation looked for [std]
+SHIFTS = (0.04, 0.08, 0.16, 0.32, 0.64, 1.28, 2.56)  # changes of the whitened innovation looked for [std]
 """A leak's ramp moves the innovation's mean steadily; a CUSUM for half of what it is at the alarm is the quickest. From
-10 kPa/h in 0.5 psi of noise at 20 Hz (0.09) to a burst; a factor of 2 apart costs at most 6 % of the delay."""
+10 kPa/h in 0.5 psi of noise at 20 Hz (0.06) to a burst; a factor of 2 apart costs at most 6 % of the delay."""
 
 
 class Model(NamedTuple):
     """Noise of the quiet tyre and of the leak.
 
     disturbance_std, disturbance_time: of e, what the temperature signal and the ideal gas law leave over: half a step
-    of 1 K is 0.6 kPa, the sensor's lag of half a minute while a tyre warms by 1 K/min 0.6 kPa, dynamic load 0.2 kPa.
-    wander: random walk of a [Pa/sqrt(s)]: load changes that stay (0.3 kPa), slow drift of sensors. *_without_warmth:
+    of 1 K is 0.6 kPa, the sensor's lag of half a minute while a tyre warms by 1 K/min 0.6 kPa, dynamic load 0.2 kPa;
+    650 Pa so that a load change that stays (0.5 kPa after a stop) is within the designed rate at 1 Hz and slower.
+    wander: random walk of a [Pa/sqrt(s)]: what is left of those load changes, slow drift of sensors. *_without_warmth:
     the same where no temperature is known: warming by 20 K is 24 kPa. rate_wander: random walk of the leak rate without
     an alarm [Pa/s/sqrt(s)]; *_after_alarm: after one, and relative_wander as a share of the rate [1/sqrt(s)].
     """
 
-    disturbance_std: float = 450.0
+    disturbance_std: float = 650.0
     disturbance_time: float = 40.0
     wander: float = 10.0
     disturbance_std_without_warmth: float = 8e3

@@ -1,8 +1,8 @@
 """A tyre without a leak: Kalman filter on [a, e], whose whitened innovation is what the alarm watches.
 
-    a  pressure at the reference temperature [Pa]: random walk
-    e  what the temperature leaves over [Pa]: Gauss-Markov, e = exp(-dt / tau) e + w
-    z = a + e + v,  v of variance r, measured (`noise`)
+a  pressure at the reference temperature [Pa]: random walk
+e  what the temperature leaves over [Pa]: Gauss-Markov, e = exp(-dt / tau) e + w
+z = a + e + v,  v of variance r, measured (`noise`)
 """
 
 from __future__ import annotations
