@@ -160,3 +160,15 @@ def test_files_that_the_readme_names_exist():
         assert (ROOT / name).exists(), name
     for name in re.findall(r"!\[[^\]]*\]\(([^)]+)\)", README):
         assert (ROOT / name).exists(), name
+
+
+def test_nothing_in_the_readme_waits_to_be_filled_in():
+    assert not re.findall(r"\b[A-Z]+_(?:TABLE|FIGURES?)\b", README)
+
+
+def test_claims_of_the_readme_are_those_that_tests_make():
+    table = section("## What is proved")
+    shown = set(re.findall(r"^\| (.+?) \| .+ \| .+ \|$", table, re.MULTILINE)) - {"claim"}
+    made = "".join(path.read_text() for path in (ROOT / "tests").glob("test_*.py"))
+    assert len(shown) > 20
+    assert [claim for claim in shown if f'"{claim}"' not in made] == []

@@ -226,13 +226,15 @@ def test_json_that_is_a_folder_is_refused(toy, tmp_path, capsys):
 def test_table_has_the_five_columns_and_shows_intervals_in_deserved_digits(capsys):
     rows = [
         StudyRow("mass", "kg", 2.0, 1.23456, (1.2, 1.3), 5.0),
+        StudyRow("radius", "mm", None, 360.67712, (360.6762, 360.6781)),
         StudyRow("nothing yet", "-"),
         StudyRow("time", "s", 60.0, math.inf, (44.0, math.inf)),
     ]
     print_table(Console(width=120), "toy", rows)
     out = capsys.readouterr().out
     assert all(word in out for word in ("quantity", "paper", "here [95 % interval]", "limit", "unit"))
-    assert [shown(row) for row in rows] == ["1.23 [1.20, 1.30]", "-", "not reached [44, -]"]
+    wanted = ["1.23 [1.20, 1.30]", "360.677 [360.676, 360.678]", "-", "not reached [44, -]"]
+    assert [shown(row) for row in rows] == wanted
 
 
 def test_json_of_a_figure_without_bounds_is_null():

@@ -134,7 +134,7 @@ def _of_wheels(
         truth = [n for n in numbers if n == f"truth/{wheel}/{quantity}"]
         title = f"{wheel} {quantity.replace('_', ' ')} [{numbers[names[0]] or '-'}]"
         if said:
-            plots.append(_plot(f"{title}: {'truth and ' if truth else ''}estimate ±σ", truth + said, bands, reach))
+            plots.append(_plot(f"{title} ±σ", truth + said, bands, reach))
     return plots, set(names)
 
 

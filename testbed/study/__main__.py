@@ -27,7 +27,7 @@ from testbed.study.study import Study
 from testbed.study.table import print_table
 
 MOST_RUNS = 100_000
-WIDTH = 120  # characters of a line that goes to a file
+WIDTH = 130  # characters of a line that goes to a file
 
 
 def _whole(lowest: int, highest: int = 2**63 - 1):

@@ -11,7 +11,7 @@ from rich.table import Table
 
 from testbed.study.study import StudyRow
 
-DIGITS = 4  # significant ones of a figure without an interval
+DIGITS, MOST_DIGITS = 4, 6  # significant ones of a figure without an interval, of one with a narrow one
 
 
 def shown(row: StudyRow) -> str:
@@ -20,7 +20,10 @@ def shown(row: StudyRow) -> str:
         return "-"
     ends = row.ci95 or (math.nan, math.nan)
     width = ends[1] - ends[0]
-    form = f".{max(0, 1 - math.floor(math.log10(width)))}f" if 0.0 < width < math.inf else f".{DIGITS}g"
+    form = f".{DIGITS}g"
+    if 0.0 < width < math.inf:
+        longest = MOST_DIGITS - 1 - math.floor(math.log10(max(abs(row.here), width)))
+        form = f".{max(0, min(1 - math.floor(math.log10(width)), longest))}f"
     here = format(row.here, form) if math.isfinite(row.here) else "not reached"
     low, high = (format(end, form) if math.isfinite(end) else "-" for end in ends)
     return here if (low, high) == ("-", "-") else f"{here} [{low}, {high}]"

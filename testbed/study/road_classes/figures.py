@@ -113,7 +113,7 @@ def _frequencies(rows: Rows) -> Figure:
             axes.set_xticks((5, 10, 20, 50, 100), ("5", "10", "20", "50", "100"))
     for axes in panels[-1]:
         axes.set_xlabel("speed [km/h]")
-    panels[0, 0].legend(fontsize="x-small")
+    figure.legend(*panels[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=6, fontsize="small")
     return figure
 
 
@@ -133,6 +133,7 @@ def _errors(rows: Rows) -> Figure:
         axes.set(title=name, xlabel="ISO 8608 class")
         axes.set_xticks(range(len(roads)), roads)
         axes.set_yscale("symlog", linthresh=1.0)
+        axes.set_yticks([-5.0, -2.0, -1.0, 0.0, 1.0, 2.0, 5.0])
         axes.yaxis.set_major_formatter(ScalarFormatter())
     figure.axes[0].set_ylabel("error after 30 s at constant speed [1e-3]; lines: reported std")
     return figure

@@ -45,7 +45,7 @@ def _deltas(rows: Rows, panels: Sequence[tuple[str, str]]) -> Figure:
             axes.plot(time, right, color=colour, lw=0.8)
         axes.axvline(rows[0]["onset_s"], color="0.5", lw=0.6)
         axes.set(xlabel="time [s]", ylabel=f"{name} [1e-3]", title=f"{name} = {meaning}")
-    figure.axes[0].legend(fontsize="small")
+    figure.legend(*figure.axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=5, fontsize="small")
     figure.suptitle(f"Median and 5-95 % band over {len(rows)} repetitions; thin lines: the true level")
     return figure
 
