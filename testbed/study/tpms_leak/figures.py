@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import NullFormatter
 
 from estimators.direct_pressure.published import PUBLISHED, stationary_std
 from testbed.study.study import Row
@@ -15,6 +16,7 @@ from testbed.study.tpms_leak.paper import ONSET, clock
 from testbed.study.tpms_leak.tpms_leak import trials
 from testbed.study.tpms_leak.work import LEAKS, SENSORS
 
+LEAK_NAMES = {"0p1_psi_s": "0.1 psi/s", "0p2_psi_s": "0.2 psi/s", "1_psi_s": "1 psi/s", "10_kpa_h": "10 kPa/h"}
 SENSOR_NAMES = {"": "20 Hz, 0.5 psi", "_1_s": "1 Hz", "_30_s": "30 s, 2.5 kPa", "_60_s": "60 s, 2.5 kPa"}
 
 
@@ -98,7 +100,8 @@ def _delays(rows: Sequence[Row]) -> Figure:
                     label="20 Hz, rate known",
                 )  # fmt: skip
         axes.set(xscale="log", xlabel="time since the leak began [s]", ylim=(0.0, 1.02))
-        axes.set(title=name.replace("_", " ").replace("p", ".", 1) if name[0] == "0" else name.replace("_", " "))
+        axes.xaxis.set_minor_formatter(NullFormatter())
+        axes.set_title(f"Leak of {LEAK_NAMES[name]}")
     figure.axes[0].set_ylabel("share found [-]")
     figure.axes[0].legend(fontsize="small")
     return figure
