@@ -58,12 +58,12 @@ def test_published_detector_alarms_after_the_same_time_with_and_without_a_leak()
 
 
 def test_made_up_tyre_keeps_its_gas_warms_by_driving_and_leaks_at_the_rate() -> None:
-    sound = days(new_state(), 5, 4 * 3600.0, 1.0, 0.0, 0.0, 0.0, np.inf)
+    sound = days(new_state(), np.random.default_rng(5), 4 * 3600.0, 1.0, 0.0, 0.0, 0.0, np.inf)
     amount = (sound[3] + ATMOSPHERE) / sound[2]
     assert np.std(amount) / amount.mean() < 4e-3  # loads and rounding to 1 K
     assert np.ptp(sound[2]) < HEATING * 40.0 + 10.0
     assert np.ptp(sound[3]) > 5e3
-    leak = days(new_state(), 5, 600.0, 1.0, 0.0, 0.0, 100.0, 300.0)
+    leak = days(new_state(), np.random.default_rng(5), 600.0, 1.0, 0.0, 0.0, 100.0, 300.0)
     lost = (leak[3] - sound[3][:600])[-1]
     assert lost == pytest.approx(-100.0 * 300.0 * (1.0 - 0.5 * 300.0 * 100.0 / NOMINAL), rel=0.05)
 

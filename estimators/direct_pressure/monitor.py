@@ -28,7 +28,8 @@ from estimators.direct_pressure.numbers import (
 Array = NDArray[np.float64]
 
 TIME, RUN, LATCHED, SINCE, EXCESS, HEARD, X, STATUS = range(8)
-"""Of `status`. RUN: outliers in a row, with sign; EXCESS: largest statistic over its threshold; X: last whitened innovation."""
+"""Of `status`. RUN: outliers in a row, with sign; EXCESS: largest statistic over its threshold; X: last whitened
+innovation."""
 NOTHING, LEAK, REFILL = range(3)  # what a sample may set off
 SAID = (
     "time",
@@ -57,8 +58,8 @@ class Memory(NamedTuple):
 
 def new_memory() -> Memory:
     """Of a wheel of which nothing was heard."""
-    sizes = (warmth.SIZE, noise.SIZE, quiet.SIZE, leak.SIZE, (len(SHIFTS), bank.SIZE), STATUS)
-    return Memory(*(np.zeros(size) for size in sizes), thresholds.table().copy())
+    parts = (np.zeros(size) for size in (warmth.SIZE, noise.SIZE, quiet.SIZE, leak.SIZE))
+    return Memory(*parts, np.zeros((len(SHIFTS), bank.SIZE)), np.zeros(STATUS), thresholds.table().copy())
 
 
 @inlined

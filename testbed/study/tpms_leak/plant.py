@@ -45,18 +45,17 @@ SLOW_SENSORS = {"30_s": Sensor(30.0, 500.0, 2500.0), "60_s": Sensor(60.0, 500.0,
 
 
 @compiled
-def days(state, seed, duration, interval, noise, step, leak_rate, leak_start):
+def days(state, rng, duration, interval, noise, step, leak_rate, leak_start):
     """One tyre for `duration` [s] -> times [s], pressure [Pa, gauge] and temperature [K] as its sensor sends them, true
     gauge pressure [Pa], true leak rate [Pa/s]; each of shape (n,).
 
     state: shape (9,), kept from call to call: time, n, T, sensor's T, speed, end of stretch, lasting load, load, air T;
-    all 0 at first. leak_rate: at its start [Pa/s].
+    all 0 at first. rng: of all that is drawn. leak_rate: at its start [Pa/s].
     """
-    np.random.seed(seed)
     if state[1] == 0.0:
-        state[8] = np.random.uniform(263.0, 308.0)
+        state[8] = rng.uniform(263.0, 308.0)
         state[1], state[2], state[3] = (NOMINAL + ATMOSPHERE) / state[8], state[8], state[8]
-    n = int(round(duration / interval))
+    n = int(np.rint(duration / interval))
     parts = int(np.ceil(interval / STEP))
     dt = interval / parts
     keeps = np.exp(-dt / ROLLING_TIME)
@@ -67,23 +66,23 @@ def days(state, seed, duration, interval, noise, step, leak_rate, leak_start):
         for _ in range(parts):
             state[0] += dt
             if state[0] >= state[5]:
-                stops = state[4] > 0.0 and np.random.random() < STOPS
+                stops = state[4] > 0.0 and rng.random() < STOPS
                 if state[4] == 0.0:
-                    state[6] = SEATED * np.random.standard_normal()
-                state[4] = 0.0 if stops else np.random.uniform(20.0 / 3.6, FASTEST)
-                state[5] = state[0] + np.random.exponential(STOP if stops else STRETCH)
-            state[8] += 3.0 * np.sqrt(dt / 3600.0) * np.random.standard_normal()
+                    state[6] = SEATED * rng.standard_normal()
+                state[4] = 0.0 if stops else rng.uniform(20.0 / 3.6, FASTEST)
+                state[5] = state[0] + rng.exponential(STOP if stops else STRETCH)
+            state[8] += 3.0 * np.sqrt(dt / 3600.0) * rng.standard_normal()
             state[8] = min(max(state[8], 263.0), 308.0)
             state[2] += dt * (state[8] + HEATING * state[4] - state[2]) / TIME_CONSTANT
             state[3] += (state[2] - state[3]) * (1.0 - np.exp(-dt / LAG))
             bumps = ROLLING if state[4] > 0.0 else 0.0
-            state[7] = keeps * state[7] + np.sqrt(1.0 - keeps * keeps) * bumps * np.random.standard_normal()
+            state[7] = keeps * state[7] + np.sqrt(1.0 - keeps * keeps) * bumps * rng.standard_normal()
             gauge = state[1] * state[2] * (1.0 + state[6] + state[7]) - ATMOSPHERE
             if state[0] >= leak_start and leak_rate > 0.0:
                 span = gauge if span < 0.0 else span
                 rate = leak_rate * max(gauge, 0.0) / span
                 state[1] -= rate * dt / state[2]
-        sent = gauge + noise * np.random.standard_normal()
+        sent = gauge + noise * rng.standard_normal()
         if step > 0.0:
             sent = step * np.rint(sent / step)
         out[0, i], out[1, i], out[2, i], out[3, i], out[4, i] = state[0], sent, np.rint(state[3]), gauge, rate

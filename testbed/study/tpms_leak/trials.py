@@ -54,7 +54,7 @@ def sound_hours(sensor: Sensor, hours: float, seed: int, number: int) -> dict[st
         state, memory, said = new_state(), new_memory(), np.zeros((1, len(SAID)))
         for piece in range(pieces):
             sent = days(
-                state, run_seed(seed, number, 1000 * wheel + piece) % 2**32, span / pieces * HOUR, sensor.interval,
+                state, np.random.default_rng(run_seed(seed, number, 1000 * wheel + piece)), span / pieces * HOUR, sensor.interval,
                 sensor.noise, sensor.step, 0.0, np.inf,
             )  # fmt: skip
             excess = np.zeros(1)
@@ -66,9 +66,10 @@ def sound_hours(sensor: Sensor, hours: float, seed: int, number: int) -> dict[st
 def leak(sensor: Sensor, rate: float, longest: float, seed: int) -> dict[str, Any]:
     """One leak of `rate` [Pa/s], watched for `longest` [s]: delay [s] or None, whether an alarm came before, rates at
     the alarm and later as (estimate, std, truth), and the bound's delays by shift."""
-    onset = float(np.random.default_rng(seed).uniform(*BEFORE))
+    rng = np.random.default_rng(seed)
+    onset = float(rng.uniform(*BEFORE))
     sent = days(
-        new_state(), seed % 2**32, onset + longest, sensor.interval, sensor.noise, sensor.step, rate, onset,
+        new_state(), rng, onset + longest, sensor.interval, sensor.noise, sensor.step, rate, onset,
     )  # fmt: skip
     given = events(sent)
     said = np.zeros((len(sent[0]), len(SAID)))
