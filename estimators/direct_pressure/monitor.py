@@ -58,8 +58,10 @@ class Memory(NamedTuple):
 
 def new_memory() -> Memory:
     """Of a wheel of which nothing was heard."""
-    parts = (np.zeros(size) for size in (warmth.SIZE, noise.SIZE, quiet.SIZE, leak.SIZE))
-    return Memory(*parts, np.zeros((len(SHIFTS), bank.SIZE)), np.zeros(STATUS), thresholds.table().copy())
+    return Memory(
+        np.zeros(warmth.SIZE), np.zeros(noise.SIZE), np.zeros(quiet.SIZE), np.zeros(leak.SIZE),
+        np.zeros((len(SHIFTS), bank.SIZE)), np.zeros(STATUS), thresholds.table().copy(),
+    )  # fmt: skip
 
 
 @inlined

@@ -53,9 +53,9 @@ def sound_hours(sensor: Sensor, hours: float, seed: int, number: int) -> dict[st
     for wheel in range(len(WHEELS)):
         state, memory, said = new_state(), new_memory(), np.zeros((1, len(SAID)))
         for piece in range(pieces):
+            rng = np.random.default_rng(run_seed(seed, number, 1000 * wheel + piece))
             sent = days(
-                state, np.random.default_rng(run_seed(seed, number, 1000 * wheel + piece)), span / pieces * HOUR, sensor.interval,
-                sensor.noise, sensor.step, 0.0, np.inf,
+                state, rng, span / pieces * HOUR, sensor.interval, sensor.noise, sensor.step, 0.0, np.inf,
             )  # fmt: skip
             excess = np.zeros(1)
             alarms += _count(memory, *events(sent), said, excess)
