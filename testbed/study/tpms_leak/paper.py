@@ -4,8 +4,8 @@
     leak = (p - patm) / R_leak (t - 20) from 20 s on: 0.06 psi/s at the end, as its Figure 7
 The paper has no numbers for two inputs. Declared: road temperature 25 C + 5 K sin(2 pi t / 60 s), thermal = (p + patm)
 / T dT/dt (ideal gas); speed 20 m/s + 5 m/s sin(2 pi t / 20 s), driving pressure 5e-4 psi s^2/m^2 v^2, which enters by
-its rate. The filter knows both, as in the paper, so neither matters to its alarms. The filter's Q is 0.01; the truth's q
-is that, none, or the one that gives the paper's RMSE of 0.19.
+its rate. The filter knows both, as in the paper, so neither matters to its alarms. The filter's Q is 0.01; the truth's
+q is that, none, or the one that gives the paper's RMSE of 0.19.
 """
 
 from __future__ import annotations
