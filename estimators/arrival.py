@@ -13,12 +13,15 @@ from numpy.typing import NDArray
 
 FARTHEST = 9e9  # [s] that a count of nanoseconds in 64 bits can hold
 LONGEST_GAP = 10.0  # [s]; a stamp further ahead needs a second one to be believed
+USUAL_GAPS = 5.0  # times the usual interval, the same for a sensor that seldom speaks
 
 
 class Intake:
     """Decides sample by sample; remembers the last good stamp and a held one."""
 
-    def __init__(self) -> None:
+    def __init__(self, longest_gap: float = LONGEST_GAP) -> None:
+        """longest_gap: [s], more than `LONGEST_GAP` for a sensor that seldom speaks."""
+        self._longest_gap = longest_gap
         self.last: float | None = None
         self._held: float | None = None
 
@@ -42,7 +45,7 @@ class Intake:
         """Nothing to decide: every stamp follows closely on the one before (the common case, without a loop)."""
         known = [stamp for stamp in (self.last, self._held) if stamp is not None]
         steps = np.diff(np.concatenate([known, time]))
-        plain = len(known) < 2 and len(steps) > 0 and bool((steps > 0.0).all() and (steps <= LONGEST_GAP).all())
+        plain = len(known) < 2 and len(steps) > 0 and bool((steps > 0.0).all() and (steps <= self._longest_gap).all())
         return plain and bool(max(abs(time[0]), abs(time[-1])) <= FARTHEST)
 
     def _judge(self, stamp: float) -> tuple[bool, str]:
@@ -51,10 +54,10 @@ class Intake:
             return False, f"time stamps beyond {FARTHEST:g} s"
         complaint = ""
         if self._held is not None:
-            confirmed = self._held < stamp <= self._held + LONGEST_GAP
+            confirmed = self._held < stamp <= self._held + self._longest_gap
             complaint = "" if confirmed or self.last is None else "time stamps far ahead of the clock"
             self.last, self._held = self._held if confirmed else self.last, None
-        if self.last is None or stamp > self.last + LONGEST_GAP:
+        if self.last is None or stamp > self.last + self._longest_gap:
             self._held = stamp
             return False, complaint
         if stamp <= self.last:
@@ -65,7 +68,8 @@ class Intake:
 
 def arrival_times(time: NDArray[np.float64]) -> NDArray[np.float64]:
     """When each sample of a recorded signal arrived [s]: its own stamp if good, else the last good one before it."""
-    good, _ = Intake().accept(time)
+    usual = float(np.median(np.diff(time))) if len(time) > 1 else 0.0
+    good, _ = Intake(max(LONGEST_GAP, USUAL_GAPS * usual)).accept(time)
     if not good.any():
         return np.maximum.accumulate(np.clip(time, -FARTHEST, FARTHEST)) if len(time) else time
     clock = np.maximum.accumulate(np.where(good, time, -np.inf))

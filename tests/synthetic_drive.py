@@ -1,7 +1,8 @@
 """Closed-form drives for the estimator tests: a rigid car rolls along a path with chosen radii, slip and noise.
 
 Wheel i turns at w_i = v_i (1 + slip_i) / r_i, with v_i the speed of its contact point along its own plane (Ackermann
-angles, no side slip at the rear), slip of the driven wheels mu / k. No dynamics: the path is given.
+angles, no side slip at the rear), slip of the driven wheels mu / k. Tyres at nominal pressure. No dynamics: the path is
+given.
 """
 
 from __future__ import annotations
@@ -27,9 +28,10 @@ class Noise:
     gyro: float = 0.003
     gyro_offset: float = 0.004
     torque: float = 10.0
+    pressure: float = 500.0
 
 
-QUIET = Noise(0.0, 0.0, 0.0, 0.0)
+QUIET = Noise(0.0, 0.0, 0.0, 0.0, 0.0)
 
 
 def drive(
@@ -68,6 +70,10 @@ def drive(
     signals["imu/accel"] = Signal(time, accel, "m/s^2", "imu")
     signals["driveline/torque"] = Signal(time, torque, "N m")
     signals["steering/angle"] = Signal(time, steer * car.steering_ratio, "rad")
+    for wheel in WHEELS:
+        measured = car.pressure + noise.pressure * rng.standard_normal(len(speed))
+        signals[f"tyre/{wheel}/pressure"] = Signal(time, measured, "Pa")
+        signals[f"tyre/{wheel}/temperature"] = Signal(time, np.full(len(speed), 293.15), "K")
     signals["truth/fl/radius"] = Signal(time, radii[:, 0], "m")
     return DriveLog(signals, {"car": asdict(car)})
 

@@ -1,0 +1,120 @@
+"""What a wheel's two sensors said, merged into events in time order, and what was wrong with it.
+
+An event is taken up once the clock is `LATENCY` past it, a temperature before the pressure of the same instant; so the
+result does not depend on how the stream is cut. Real sensors speak once in a minute: what counts as silence is a
+multiple of the sensor's own interval.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from estimators.arrival import Intake
+from estimators.drive_log import Signal
+from estimators.grid import LATENCY
+
+LONGEST_GAP = 300.0  # s; a stamp further ahead needs a second one to be believed
+UNKNOWN = 10.0  # s of silence that is worth a flag while a sensor's interval is not known
+LEAST_SILENCE, INTERVALS = 1.0, 5.0  # s, and intervals, of silence that is worth a flag
+
+Complaint = tuple[float, str]
+
+
+@dataclass(frozen=True, eq=False)
+class Events:
+    """In time order. time [s]; warm: a temperature [K], else a pressure [Pa, gauge]; value; all of shape (n,)."""
+
+    time: NDArray[np.float64]
+    warm: NDArray[np.bool_]
+    value: NDArray[np.float64]
+
+
+class Source:
+    """One sensor's signal. lowest, highest: beyond it a value is no tyre's."""
+
+    def __init__(self, name: str, lowest: float, highest: float) -> None:
+        self.name, self._lowest, self._highest = name, lowest, highest
+        self._intake = Intake(LONGEST_GAP)
+        self._time, self._value = np.empty(0), np.empty(0)
+        self._taken = -np.inf  # horizon up to which samples were taken up
+        self._last: float | None = None
+        self._interval: float | None = None
+        self._silent = False
+        self.first = np.inf
+        """Of the first usable sample [s]."""
+
+    def add(self, signal: Signal) -> list[Complaint]:
+        """Keep the usable samples; complaints about the others."""
+        good, refused = self._intake.accept(signal.time)
+        complaints = [(time, f"{self.name}: {why}, sample refused") for time, why in refused]
+        if signal.value.dtype.kind != "f" or signal.value.ndim != 1:
+            shape = "text" if signal.value.dtype.kind != "f" else f"of shape {signal.value.shape}"
+            text = f"{self.name}: value is {shape}, want (n,), not used"
+            return complaints + [(float(t), text) for t in signal.time[good]]
+        time, value = signal.time[good], signal.value[good]
+        finite = np.isfinite(value)
+        inside = finite & (value >= self._lowest) & (value <= self._highest)
+        late = inside & (time <= self._taken)
+        span = f"{self._lowest:g} to {self._highest:g}"
+        for wrong, why in (
+            (~finite, "not a finite number"),
+            (finite & ~inside, f"out of range ({span}), sample refused"),
+            (late, "handed over too late"),
+        ):
+            complaints += [(float(t), f"{self.name}: {why}") for t in time[wrong]]
+        kept = inside & ~late
+        self._time = np.concatenate([self._time, time[kept]])
+        self._value = np.concatenate([self._value, value[kept]])
+        return complaints
+
+    def take(self, horizon: float) -> tuple[NDArray[np.float64], NDArray[np.float64], list[Complaint]]:
+        """Samples up to `horizon` [s] in time order, and complaints about silences among them."""
+        due = self._time <= horizon
+        time, value = self._time[due], self._value[due]
+        self._time, self._value = self._time[~due], self._value[~due]
+        self._taken = max(self._taken, horizon)
+        complaints: list[Complaint] = []
+        for stamp in time.tolist():
+            self._watch(stamp, complaints)
+            if self._last is not None and self.first < np.inf:
+                step = stamp - self._last
+                usual = step if self._interval is None else self._interval
+                self._interval = usual + 0.1 * (min(step, 3.0 * usual) - usual)
+            self._last, self._silent, self.first = stamp, False, min(self.first, stamp)
+        self._watch(horizon, complaints)
+        return time, value, complaints
+
+    def first_waiting(self) -> float:
+        """Time of the earliest sample that waits [s], infinite if none does."""
+        return float(self._time[0]) if len(self._time) else np.inf
+
+    def expect(self, time: float) -> None:
+        """Another sensor of the car has spoken at `time` [s]: so should this one."""
+        if self._last is None:
+            self._last = time
+
+    def _watch(self, clock: float, complaints: list[Complaint]) -> None:
+        if self._last is None or self._silent:
+            return
+        limit = UNKNOWN if self._interval is None else max(LEAST_SILENCE, INTERVALS * self._interval)
+        if clock - self._last > limit:
+            self._silent = True
+            complaints.append((self._last + limit, f"{self.name}: no usable sample for {limit:.3g} s"))
+
+
+def merged(
+    pressure: tuple[NDArray[np.float64], NDArray[np.float64]], warmth: tuple[NDArray[np.float64], NDArray[np.float64]]
+) -> Events:
+    """Events of (time, value) of both sensors."""
+    time = np.concatenate([warmth[0], pressure[0]])
+    warm = np.arange(len(time)) < len(warmth[0])
+    order = np.argsort(time, kind="stable")
+    return Events(time[order], warm[order], np.concatenate([warmth[1], pressure[1]])[order])
+
+
+def horizon_of(until: float) -> float:
+    """Time up to which every sample that is in order has been handed over [s]."""
+    return until - LATENCY
