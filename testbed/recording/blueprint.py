@@ -35,12 +35,8 @@ class Plot:
     names: str
 
 
-QUANTITIES = (
-    "pressure",
-    "relative_pressure_change",
-    "stiffness",
-    "relative_radius_change",
-)  # of a wheel, the first that is estimated
+# of a wheel, the first that is estimated: what is inferred before what is measured
+QUANTITIES = ("relative_pressure_change", "pressure", "stiffness", "relative_radius_change")
 PLOTS = (
     Plot("Tyre pressure", "Pa", rf"truth/{_WHEEL}/pressure"),
     Plot("Rolling radius", "m", rf"truth/{_WHEEL}/rolling_radius"),
