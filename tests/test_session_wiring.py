@@ -175,9 +175,9 @@ def test_alarm_of_a_calibrated_drive_reaches_log_table_json_and_layout(tmp_path:
     assert json.loads(learnt.read_text())["alarms"] == []
     second = [*ordinary, "--duration", "60", "--road", "C", "--seed", "2", "--pressure", "fl=180"]
     assert main([*second, "--calibration", str(learnt), "--json", str(found), "--out", str(out)]) == 0
-    (alarm,) = json.loads(found.read_text())["alarms"]
-    assert alarm["method"] == "wheel_radius"
-    assert alarm["text"].startswith("fl: low pressure")
+    alarms = json.loads(found.read_text())["alarms"]
+    assert all(alarm["text"].startswith("fl: low pressure") for alarm in alarms)  # the direct sensors see it as well
+    (alarm,) = [alarm for alarm in alarms if alarm["method"] == "wheel_radius"]
     assert f"alarm {alarm['time_s']:.1f} s" in capsys.readouterr().out
     log = read_log(out)
     assert log["alarm/wheel_radius"].value.tolist() == [alarm["text"]]
