@@ -140,3 +140,7 @@ def test_a_telegram_a_minute_is_followed_by_the_estimator_and_names_the_wheel() 
     assert "leak" in alarms[0]
     assert "one in 100 h" in alarms[0]
     assert not any("time stamps" in text for text in said["est/direct_pressure/flags"].value)
+
+
+def test_table_of_thresholds_is_what_the_design_gives():
+    assert thresholds.designed() == pytest.approx(thresholds.table(), rel=1e-6)

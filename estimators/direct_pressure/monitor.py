@@ -60,7 +60,7 @@ def new_memory() -> Memory:
     """Of a wheel of which nothing was heard."""
     return Memory(
         np.zeros(warmth.SIZE), np.zeros(noise.SIZE), np.zeros(quiet.SIZE), np.zeros(leak.SIZE),
-        np.zeros((len(SHIFTS), bank.SIZE)), np.zeros(STATUS), thresholds.table().copy(),
+        np.zeros((len(SHIFTS), bank.SIZE)), np.zeros(STATUS), thresholds.table(),
     )  # fmt: skip
 
 
