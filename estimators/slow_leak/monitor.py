@@ -93,12 +93,13 @@ class SlowLeakMonitor:
         """Takes whole days, shape (n,), rising and after those before; pressure [Pa], shape (n, tyres), NaN or infinite
         where missing. What `recursion` says, shape (n, tyres, 6). ValueError for other shapes or order."""
         given, table = np.asarray(days), np.array(pressure, dtype=np.float64)
-        if given.ndim != 1 or table.shape != (len(given), len(self._memory)):
+        tyres = len(self._memory)
+        if given.ndim != 1 or table.shape != (len(given), tyres):
             raise ValueError(
-                f"pressure has shape {table.shape} beside days {given.shape}, valid: ({len(given)}, {len(self._memory)})"
+                f"pressure has shape {table.shape} beside days {given.shape}, valid: (n, {tyres}) and (n,)"
             )
         if len(given) == 0:
-            return np.empty((0, len(self._memory), recursion.SAID))
+            return np.empty((0, tyres, recursion.SAID))
         if given.dtype.kind not in "iu" or np.abs(given.astype(np.float64)).max() > LATEST_DAY:
             raise ValueError(f"days hold {given[0]}, valid: whole numbers up to {LATEST_DAY}")
         numbers = given.astype(np.int64)
@@ -106,7 +107,7 @@ class SlowLeakMonitor:
             raise ValueError(f"days begin with {numbers[0]} after {self._last}, valid: each later than the one before")
         self._last = int(numbers[-1])
         table[~np.isfinite(table)] = np.nan
-        said = np.empty((len(numbers), len(self._memory), recursion.SAID))
+        said = np.empty((len(numbers), tyres, recursion.SAID))
         recursion.follow(
             self._memory, numbers.astype(np.float64), table, self._tolerated, self._compare, self.model, said
         )

@@ -7,13 +7,14 @@ For each tyre a local level, in units in which a day's noise has variance 1 (gai
     z = y - c - level            innovation
     e <- (1 - K) (e - tolerated dt)   what a loss at the tolerated rate would have made of z by now
     x = (z - e) / (s sqrt(S))    s the noise: median deviation of the last innovations from their own median
-    g = max(g - clip(x) - drift, 0), alarm if g > threshold
+    g = max(g - clip(x) - drift, 0), alarm if g > threshold, unless the level only fell once (`shape`): g = 0
 
 Others that are leaking are not compared with, unless too few are left. An innovation beyond the outlier bound is held
-back for a day: if the next one is nearer to it than to the level, the tyre has a new level (up: filled, or another wheel
-or sensor: g = 0; down: g takes what it fell by from the day held back to this one, nothing for a mere step, much for a
-leak of several noises a day), else it was an outlier. Steps up are taken first, each with the new levels of those before: of tyres that part in two halves, those
-that rose were filled. A leak ends with a step up or with g back at 0.
+back for a day. If the next one is nearer to it than to the level, the tyre has a new level, else it was an outlier.
+A step up (filled, or another wheel or sensor) sets g = 0. At a step down g takes what the tyre fell by from the day
+held back to this one: nothing for a mere step, much for a leak of several noises a day. Steps up are taken first, each
+with the new levels of those before: of tyres that part in two halves, those that rose were filled. A leak ends with a
+step up or with g back at 0.
 """
 
 from __future__ import annotations
@@ -22,20 +23,20 @@ import numpy as np
 
 from estimators.compiled import compiled
 from estimators.slow_leak.numbers import (
-    CLIP,
     DAY,
-    DRIFT,
     LEAST_OUTLIER,
     MEMORY,
     MOST,
     OTHERS,
     OUTLIER,
-    THRESHOLD,
     WARM_UP,
 )
+from estimators.slow_leak.shape import fell_once
 
-LEVEL, VARIANCE, LAST, TOLERATED, G, ON, START, HELD, COUNT, HISTORY = range(10)
-SIZE = HISTORY + MEMORY
+LEVEL, VARIANCE, LAST, TOLERATED, G, ON, START, HELD, COUNT, KEPT, HISTORY = range(11)
+DAYS = HISTORY + MEMORY  # of the last values, then these themselves, oldest first
+VALUES = DAYS + MEMORY
+SIZE = VALUES + MEMORY
 RELATIVE, X, STATISTIC, EVENT, SINCE, NOISE = range(6)
 SAID = 6
 NOTHING, ALARM, STEP_UP, STEP_DOWN, OVER, NO_OTHERS, OUTLYING = range(7)
@@ -72,6 +73,19 @@ def others_level(surplus, leaking, mine):
 def restart(tyre, day, level, variance):
     """A new level from today on."""
     tyre[LEVEL], tyre[VARIANCE], tyre[LAST], tyre[TOLERATED], tyre[HELD] = level, variance, day, 0.0, np.nan
+    tyre[KEPT] = 0.0
+
+
+@compiled
+def keep(tyre, day, r):
+    """Adds a day's value to the last ones."""
+    kept = int(tyre[KEPT])
+    if kept == MEMORY:
+        tyre[DAYS : DAYS + kept - 1] = tyre[DAYS + 1 : DAYS + kept].copy()
+        tyre[VALUES : VALUES + kept - 1] = tyre[VALUES + 1 : VALUES + kept].copy()
+        kept -= 1
+    tyre[DAYS + kept], tyre[VALUES + kept] = day, r
+    tyre[KEPT] = kept + 1.0
 
 
 @compiled
@@ -84,7 +98,7 @@ def expected(tyre, day, tolerated, model):
 
 @compiled
 def surprise(tyre, day, r, tolerated, model):
-    """1 or -1: r [Pa] lies above or below all that is usual, and 2 or -2 if the day before held the same back; else 0."""
+    """1 or -1: r [Pa] lies above or below all that is usual; 2 or -2: and the day held back did too; 0: neither."""
     variance, e = expected(tyre, day, tolerated, model)
     z = r - tyre[LEVEL]
     if abs(z - e) <= max(OUTLIER * noise_of(tyre, model) * np.sqrt(variance + 1.0), LEAST_OUTLIER):
@@ -97,21 +111,30 @@ def surprise(tyre, day, r, tolerated, model):
 
 
 @compiled
-def raise_statistic(tyre, x):
+def raise_statistic(tyre, x, model):
     """g after a whitened innovation."""
-    tyre[G] = min(max(tyre[G] - min(max(x, -CLIP), CLIP) - DRIFT, 0.0), MOST * THRESHOLD)
+    taken = min(max(x, -model.clip), model.clip)
+    tyre[G] = min(max(tyre[G] - taken - model.drift, 0.0), MOST * model.threshold)
 
 
 @compiled
-def judge(tyre, day, said):
+def judge(tyre, day, model, said):
     """The alarm, from g as it is now."""
     if tyre[G] == 0.0:
         if tyre[ON]:
             said[EVENT] = OVER
         tyre[START], tyre[ON] = day, 0.0
-    elif tyre[G] > THRESHOLD and not tyre[ON]:
-        tyre[ON] = 1.0
-        said[EVENT] = ALARM
+    elif tyre[G] > model.threshold and not tyre[ON]:
+        kept = int(tyre[KEPT])
+        values = tyre[VALUES : VALUES + kept]
+        after = fell_once(tyre[DAYS : DAYS + kept], values)
+        if after > 0:
+            restart(tyre, day, np.mean(values[after:]), 1.0 / (kept - after))
+            tyre[G], tyre[START] = 0.0, day
+            said[EVENT] = STEP_DOWN
+        else:
+            tyre[ON] = 1.0
+            said[EVENT] = ALARM
 
 
 @compiled
@@ -125,8 +148,8 @@ def step(tyre, day, r, up, model, said):
         tyre[G], tyre[ON], tyre[START] = 0.0, 0.0, day
     elif tyre[COUNT] > WARM_UP:
         tyre[HELD] = r
-        raise_statistic(tyre, (r - held) / (noise_of(tyre, model) * np.sqrt(2.0)))
-        judge(tyre, day, said)
+        raise_statistic(tyre, (r - held) / (noise_of(tyre, model) * np.sqrt(2.0)), model)
+        judge(tyre, day, model, said)
 
 
 @compiled
@@ -145,11 +168,12 @@ def take(tyre, day, r, tolerated, model, said):
         tyre[COUNT] += 1.0
     x = (z - e) / (s * np.sqrt(total))
     said[X], said[NOISE] = x, s
+    keep(tyre, day, r)
     if tyre[COUNT] <= WARM_UP:
         tyre[START] = day
         return
-    raise_statistic(tyre, x)
-    judge(tyre, day, said)
+    raise_statistic(tyre, x, model)
+    judge(tyre, day, model, said)
 
 
 @compiled
