@@ -41,11 +41,14 @@ def line_of(day: ArrayLike, pressure: ArrayLike, least_noise: float = MODEL.leas
     since = t - t[0]
     design = np.stack([np.ones(len(t)), since], axis=1)
     covariance = np.eye(len(t)) + MODEL.wander * np.minimum(since[:, None], since[None, :])
-    weighed = np.linalg.solve(covariance, design)
-    spread = np.linalg.inv(design.T @ weighed)
-    found = spread @ (weighed.T @ y)
-    residual = y - design @ found
-    noise = math.sqrt(max(float(residual @ np.linalg.solve(covariance, residual)) / (len(t) - 2), 0.0))
+    weighed = np.linalg.solve(covariance, np.column_stack([design, y - y.mean()]))
+    spread = np.linalg.inv(design.T @ weighed[:, :2])
+    found = spread @ (design.T @ weighed[:, 2])
+    residual = y - y.mean() - design @ found
+    found[0] += y.mean()
+    noise = math.sqrt(
+        max(float(residual @ (weighed[:, 2] - weighed[:, :2] @ (found - [y.mean(), 0.0]))), 0.0) / (len(t) - 2)
+    )
     reach = float(student_quantile(len(t) - 2)) * max(noise, 0.5 * least_noise)
     rate, half = -float(found[1]) / DAY, reach * math.sqrt(spread[1, 1]) / DAY
     band = reach * np.sqrt(np.einsum("ij,jk,ik->i", design, spread, design))

@@ -7,7 +7,7 @@ For each tyre a local level, in units in which a day's noise has variance 1 (gai
     z = y - c - level            innovation
     e <- (1 - K) (e - tolerated dt)   what a loss at the tolerated rate would have made of z by now
     x = (z - e) / (s sqrt(S))    s the noise: median deviation of the last innovations from their own median
-    g = max(g - clip(x) - drift, 0), alarm if g > threshold, unless the level only fell once (`shape`): g = 0
+    g = max(g - clip(x) - drift, 0), alarm if g > threshold and the level goes on falling (`shape`)
 
 Others that are leaking are not compared with, unless too few are left. An innovation beyond the outlier bound is held
 back for a day. If the next one is nearer to it than to the level, the tyre has a new level, else it was an outlier.
@@ -31,7 +31,7 @@ from estimators.slow_leak.numbers import (
     OUTLIER,
     WARM_UP,
 )
-from estimators.slow_leak.shape import fell_once
+from estimators.slow_leak.shape import LEAK, STEP, shape_of
 
 LEVEL, VARIANCE, LAST, TOLERATED, G, ON, START, HELD, COUNT, KEPT, HISTORY = range(11)
 DAYS = HISTORY + MEMORY  # of the last values, then these themselves, oldest first
@@ -127,12 +127,12 @@ def judge(tyre, day, model, said):
     elif tyre[G] > model.threshold and not tyre[ON]:
         kept = int(tyre[KEPT])
         values = tyre[VALUES : VALUES + kept]
-        after = fell_once(tyre[DAYS : DAYS + kept], values)
-        if after > 0:
+        found, after = shape_of(tyre[DAYS : DAYS + kept], values)
+        if found == STEP:
             restart(tyre, day, np.mean(values[after:]), 1.0 / (kept - after))
             tyre[G], tyre[START] = 0.0, day
             said[EVENT] = STEP_DOWN
-        else:
+        elif found == LEAK:
             tyre[ON] = 1.0
             said[EVENT] = ALARM
 

@@ -3,7 +3,8 @@
     step    y = a before day k, b since
     leak    y = a before day k, a - rate (t - t_k) since
 
-each with three parameters and the k that fits best; the smaller sum of squares is believed. A wheel or sensor change,
+each with three parameters and the k that fits best; the smaller sum of squares is believed, a step only if it is much
+smaller. A wheel or sensor change,
 or a sudden loss, of a few noises is too small for one day to show it and would raise a CUSUM as a leak does.
 """
 
@@ -14,6 +15,8 @@ import numpy as np
 from estimators.compiled import compiled
 
 LEAST = 6  # values that a step is told from
+DECISIVE = 0.75  # of the leak's sum of squares, below which a step is believed; up to it, neither is
+LEAK, STEP, EITHER = 0, 1, 2
 
 
 @compiled
@@ -41,9 +44,13 @@ def leak_misfit(t, y):
 
 
 @compiled
-def fell_once(t, y):
-    """The first value after a step, if a step it is; else 0. t: days, rising, y: their values, shape (n,)."""
+def shape_of(t, y):
+    """LEAK, STEP, or EITHER until more days tell; and the first value after the step. t: days, rising, y: their values,
+    shape (n,)."""
     if len(y) < LEAST:
-        return 0
-    misfit, where = step_misfit(y)
-    return where if misfit < leak_misfit(t, y) else 0
+        return LEAK, 0
+    step, where = step_misfit(y)
+    leak = leak_misfit(t, y)
+    if leak <= step:
+        return LEAK, where
+    return (STEP if step < DECISIVE * leak else EITHER), where

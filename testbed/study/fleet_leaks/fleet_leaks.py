@@ -9,7 +9,7 @@ pictures of all eight; all figures but the findings themselves are of the other 
   many tyres they are.
 - False alarms: findings judged false or open, over the days watched; the record backwards, in which a leak is a rise
   and a filling a step down; innovations in blocks (`trials`), the design's worst case. Limit: the design.
-- Recall and delay: leaks put into sound tyres (`trials`), found within 60 days, limit none.
+- Recall and delay: leaks put into sound tyres (`trials`), found within 60 days; of the recall the tyre is the unit.
 - `week_precision`, `week_recall` (`windows`): comparable in form with the published figures of the fleet's own system
   (segments, 7-day windows); those are of its 2600 vehicles and its own weak labels, these of few leaks.
 - `natural_loss_kpa_month`: median over sound tyres of all trailers; `uneven_loss_kpa_month`: the largest of their
@@ -193,7 +193,12 @@ def _put_in(repeated: Sequence[Row]) -> Iterator[StudyRow]:
         if not every:
             continue
         found = [delay for delay in delays if math.isfinite(delay)]
-        yield StudyRow.of(f"recall_{name}_kpa_month", "-", proportion_interval(len(found), len(every)))
+        tyres = sorted({one["tyre"] for one in every})
+        sums = [
+            [sum(one["delay"] is not None for one in every if one["tyre"] == t), sum(one["tyre"] == t for one in every)]
+            for t in tyres
+        ]
+        yield StudyRow.of(f"recall_{name}_kpa_month", "-", _share(np.array(sums, dtype=np.float64)))
         if found:
             yield StudyRow.of(f"delay_{name}_kpa_month", "day", quantile_interval(found, 0.5))
         rates = [one["rate"] for one in every if one["rate"] is not None]

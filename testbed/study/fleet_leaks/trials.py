@@ -42,8 +42,9 @@ def sound_tyres(trailers: tuple[Trailer, ...]) -> list[tuple[int, int]]:
 def leak(
     trailer: Trailer, tyre: int, kpa_month: float, rng: np.random.Generator, model: Model = MODEL
 ) -> dict[str, Any] | None:
-    """delay: days from the leak's start to the alarm, None without one. rate, low, high: of what is reported at the end
-    of the watch, whole finding [kPa/month]. None where the record is too short."""
+    """tyre: its name; early: whether an alarm came before the leak; delay: days from its start to the alarm, None
+    without one; rate: of the whole finding at the end of the watch, as (value, low, high) [kPa/month]. None where the
+    record is too short."""
     days = [trailer.tyre_days(i) for i in range(len(trailer.tyres))]
     known = days[tyre].day
     if len(known) < 2 or known[-1] - known[0] < QUIET + WATCHED:
@@ -55,7 +56,12 @@ def leak(
     every, pressure = together(days)
     until = every <= start + WATCHED
     found = [one for one in find_leaks(every[until], pressure[until], model).leaks if one.tyre == tyre]
-    row: dict[str, Any] = {"early": any(one.alarm < start for one in found), "delay": None, "rate": None}
+    row: dict[str, Any] = {
+        "tyre": f"{trailer.name} {tyre}",
+        "early": any(one.alarm < start for one in found),
+        "delay": None,
+        "rate": None,
+    }
     late = [one for one in found if one.alarm >= start]
     if late and not row["early"]:
         row["delay"] = float(late[0].alarm + 1 - start)
