@@ -118,7 +118,7 @@ def _real(trailers: Sequence[Mapping[str, Any]]) -> Iterator[StudyRow]:
                 limit=YEAR / BETWEEN_FALSE_ALARMS,
             )  # fmt: skip
         if every:
-            yield StudyRow.of(f"precision{ending}", "-", proportion_interval(true, len(every)), PAPER_PRECISION)
+            yield StudyRow.of(f"precision{ending}", "-", proportion_interval(true, len(every)))
         back = sum(t["backwards"]["watched"] for t in chosen) / YEAR
         if back > 0.0:
             alarms = poisson_rate_interval(sum(t["backwards"]["alarms"] for t in chosen), back)
