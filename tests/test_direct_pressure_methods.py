@@ -7,7 +7,8 @@ import pytest
 
 from estimators.detectors import CusumMean
 from estimators.direct_pressure import numbers, thresholds
-from estimators.direct_pressure.monitor import LEAK, REFILL, SAID, follow, new_memory
+from estimators.direct_pressure.low_pressure import SHARE, LowPressure, threshold
+from estimators.direct_pressure.monitor import LEAK, PRESSURE, REFILL, SAID, SPEED, TEMPERATURE, follow, new_memory
 from estimators.direct_pressure.published import PUBLISHED, follow_published, stationary_std
 from estimators.drive_log import WHEELS, DriveLog, Signal
 from estimators.runner import run
@@ -15,15 +16,15 @@ from estimators.runner import run
 NOMINAL = 250e3  # Pa
 
 
-def told(time, pressure, temperature=293.15):
-    """What the monitor says of pressure samples [Pa] at `time` [s], temperature [K] (None: no sensor)."""
-    warmth = np.broadcast_to(0.0 if temperature is None else temperature, time.shape)
-    value = np.stack([warmth, pressure], axis=1).reshape(-1)
-    stamps, warm = np.repeat(time, 2), np.arange(2 * len(time)) % 2 == 0
-    if temperature is None:
-        stamps, warm, value = stamps[1::2], warm[1::2], value[1::2]
+def told(time, pressure, temperature=293.15, speed=None):
+    """What the monitor says of pressure samples [Pa] at `time` [s], temperature [K], wheel speed [rad/s] (None: no
+    sensor)."""
+    known = [(SPEED, speed), (TEMPERATURE, temperature), (PRESSURE, pressure)]
+    kinds = [(kind, np.broadcast_to(value, time.shape)) for kind, value in known if value is not None]
+    value = np.stack([values for _, values in kinds], axis=1).reshape(-1)
     said = np.zeros((len(time), len(SAID)))
-    assert follow(new_memory(), stamps, warm, value, said) == len(time)
+    kind = np.tile([kind for kind, _ in kinds], len(time))
+    assert follow(new_memory(), np.repeat(time, len(kinds)), kind, value, said) == len(time)
     return {name: said[:, i] for i, name in enumerate(SAID)}
 
 

@@ -7,7 +7,7 @@ import pytest
 
 from testbed.study.tpms_leak.bound import SHIFTS, first_alarms, levels
 from testbed.study.tpms_leak.paper import PROCESSES, repetitions
-from testbed.study.tpms_leak.plant import HEATING, NOMINAL, days, new_state
+from testbed.study.tpms_leak.plant import DAYS, NOMINAL, days, new_state, volume_share
 from testbed.study.tpms_leak.tpms_leak import TpmsLeakStudy
 from testbed.study.tpms_leak.work import LEAKS, SENSORS
 from testbed.tyre.inflation import ATMOSPHERE
@@ -58,12 +58,12 @@ def test_published_detector_alarms_after_the_same_time_with_and_without_a_leak()
 
 
 def test_made_up_tyre_keeps_its_gas_warms_by_driving_and_leaks_at_the_rate() -> None:
-    sound = days(new_state(), np.random.default_rng(5), 4 * 3600.0, 1.0, 0.0, 0.0, 0.0, np.inf)
+    sound = days(DAYS, new_state(), np.random.default_rng(5), 4 * 3600.0, 1.0, 0.0, 0.0, 0.0, np.inf)
     amount = (sound[3] + ATMOSPHERE) / sound[2]
     assert np.std(amount) / amount.mean() < 4e-3  # loads and rounding to 1 K
-    assert np.ptp(sound[2]) < HEATING * 40.0 + 10.0
+    assert np.ptp(sound[2]) < DAYS.heating * 40.0 + 10.0
     assert np.ptp(sound[3]) > 5e3
-    leak = days(new_state(), np.random.default_rng(5), 600.0, 1.0, 0.0, 0.0, 100.0, 300.0)
+    leak = days(DAYS, new_state(), np.random.default_rng(5), 600.0, 1.0, 0.0, 0.0, 100.0, 300.0)
     lost = (leak[3] - sound[3][:600])[-1]
     assert lost == pytest.approx(-100.0 * 300.0 * (1.0 - 0.5 * 300.0 * 100.0 / NOMINAL), rel=0.05)
 
