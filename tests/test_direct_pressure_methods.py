@@ -7,7 +7,6 @@ import pytest
 
 from estimators.detectors import CusumMean
 from estimators.direct_pressure import numbers, thresholds
-from estimators.direct_pressure.low_pressure import SHARE, LowPressure, threshold
 from estimators.direct_pressure.monitor import LEAK, PRESSURE, REFILL, SAID, SPEED, TEMPERATURE, follow, new_memory
 from estimators.direct_pressure.published import PUBLISHED, follow_published, stationary_std
 from estimators.drive_log import WHEELS, DriveLog, Signal

@@ -42,7 +42,6 @@ from estimators.drive_log import WHEELS, Signal
 from estimators.estimator import Alarm, Estimate, Estimator, Flag, Outputs
 from estimators.grid import REPEAT
 
-
 SIGNALS = ("tyre/{}/pressure", "tyre/{}/temperature", "wheel/{}/speed")
 
 
@@ -99,7 +98,8 @@ class DirectPressure(Estimator):
     """Four wheels side by side."""
 
     name = "direct_pressure"
-    requires = ()  # any one tyre's pressure will do
+    requires = ()
+    requires_any = tuple(f"tyre/{wheel}/pressure" for wheel in WHEELS)
     reads = tuple(name.format(wheel) for name in SIGNALS for wheel in WHEELS)
 
     def __init__(self, car: Car) -> None:

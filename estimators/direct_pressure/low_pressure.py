@@ -2,10 +2,10 @@
 
 Low: below SHARE of the car's nominal pressure (UN R141 asks for a warning 20 % below) by the sensor's largest constant
 error, 3 TOLERANCE, and by a threshold in units of the estimate's std. The threshold is that of a detector
-(`Integrator` of period 1) with one false alarm in BETWEEN_FALSE_ALARMS over four wheels, that long kept exactly at SHARE
-with sensors that all read 3 TOLERANCE too low: the worst that is no loss. Its run length is exact for independent
-errors; those of a filter are positively correlated, so false alarms are rarer (Slepian, Bell System Tech. J. 41, 1962).
-HELD samples in a row, so that one wild first sample is no warning, make them rarer still.
+(`Integrator` of period 1) with one false alarm in BETWEEN_FALSE_ALARMS over four wheels, all exactly at SHARE with
+sensors that read 3 TOLERANCE too low: the worst that is no loss. Its run length is exact for independent errors;
+those of a filter are positively correlated, so false alarms are rarer (Slepian, Bell System Tech. J. 41, 1962). HELD
+samples in a row, so that one wild first sample is no warning, make them rarer still.
 """
 
 from __future__ import annotations

@@ -1,8 +1,9 @@
 """The monitor on made-up days: hours without a leak, and leaks that begin at a random moment of a drive. JSON values.
 
-The monitor is the estimator's own compiled code, with the wheel's speed at every telegram and once a second. Hours: after an alarm it is reset, so alarms can be counted. Leaks: 25
-to 35 min after the sensors woke up; a trial with an alarm before the leak is left out of the delays (and counted). The
-leak rate is compared with the truth at the alarm, and once more as long after the leak's beginning again.
+The monitor is the estimator's own compiled code, with the wheel's speed at every telegram and once a second. Hours:
+after an alarm it is reset, so alarms can be counted. Leaks: 25 to 35 min after the sensors woke up; a trial with an
+alarm before the leak is left out of the delays (and counted). The leak rate is compared with the truth at the alarm,
+and once more as long after the leak's beginning again.
 """
 
 from __future__ import annotations
@@ -14,9 +15,10 @@ from numpy.typing import NDArray
 
 from estimators.compiled import compiled
 from estimators.direct_pressure.monitor import LEAK, PRESSURE, SAID, SPEED, TEMPERATURE, follow, new_memory, recover
+from estimators.direct_pressure.numbers import REFERENCE
 from estimators.drive_log import WHEELS
 from testbed.study.study import run_seed
-from testbed.study.tpms_leak.bound import SHIFTS, first_alarms, levels
+from testbed.study.tpms_leak.bound import SHIFTS, first_alarms, first_matched, length, levels
 from testbed.study.tpms_leak.plant import DAYS, Days, Sensor, days, new_state
 
 HOUR = 3600.0
@@ -70,7 +72,7 @@ def sound_hours(
 
 def leak(sensor: Sensor, rate: float, longest: float, seed: int) -> dict[str, Any]:
     """One leak of `rate` [Pa/s], watched for `longest` [s]: delay [s] or None, whether an alarm came before, rates at
-    the alarm and later as (estimate, std, truth), and the bound's delays by shift."""
+    the alarm and later as (estimate, std, truth), and the bound's delays: by shift, and matched."""
     rng = np.random.default_rng(seed)
     onset = float(rng.uniform(*BEFORE))
     sent = days(
@@ -92,4 +94,11 @@ def leak(sensor: Sensor, rate: float, longest: float, seed: int) -> dict[str, An
     first = int(np.searchsorted(sent[0], onset))
     told = first_alarms(said[:, 7], np.array(SHIFTS), levels(sensor.interval), first)
     row["bound"] = [float(sent[0, first + k] - onset) if k >= 0 else longest for k in told.tolist()]
+    quiet = new_memory()
+    quiet.levels[:] = np.inf
+    warm = REFERENCE / sent[2, first]
+    matched = first_matched(
+        quiet, *given, said, rate * warm, sensor.interval, length(sensor.interval), onset
+    )  # fmt: skip
+    row["bound"].append(min(float(matched), longest))
     return row
