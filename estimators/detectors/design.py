@@ -161,5 +161,5 @@ def design_local_cusum(
 
 def _shifted(detector: Detector, shift: float) -> Design:
     """With its run lengths; a lower side is shown a fall."""
-    towards = -shift if getattr(detector, "sides", "upper") == "lower" else shift
+    towards = -shift if detector.sides == "lower" else shift
     return Design(detector, detector.average_run_length(), detector.average_run_length(towards), shift)

@@ -31,9 +31,9 @@ class Model(NamedTuple):
     (235/60R18) that is 0.35 to 0.42 kPa for 75 kg on a wheel, 1.1 to 1.25 kPa for 200 kg, 400 kg on the axle; it comes
     within seconds. wander: random walk of a [Pa/sqrt(s)]: slow drift of sensors. *_without_speed: such a change may
     come at any time; so large that one of 75 kg is within the designed rate at 1 Hz and slower. *_without_warmth:
-    warming by 20 K is 24 kPa. rate_wander: random walk of the leak rate without an alarm [Pa/s/sqrt(s)]; *_after_alarm: after one,
-    and relative_wander as a share of the rate [1/sqrt(s)]. load_std, wander and both of the rate's after an alarm were
-    chosen on the study `tpms-leak` with another seed than the one it reports.
+    warming by 20 K is 24 kPa. rate_wander: random walk of the leak rate without an alarm [Pa/s/sqrt(s)]; *_after_alarm:
+    after one, and relative_wander as a share of the rate [1/sqrt(s)]. load_std, wander and both of the rate's after an
+    alarm were chosen on the days of the study `tpms-leak` with other seeds than the one it reports.
     """
 
     disturbance_std: float = 450.0
