@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from estimators.detectors import CusumMean, Integrator
-from estimators.direct_pressure import numbers, thresholds
+from estimators.direct_pressure import numbers, onsets, quiet, thresholds
 from estimators.direct_pressure.low_pressure import SHARE, LowPressure, threshold
 from estimators.direct_pressure.monitor import LEAK, PRESSURE, REFILL, SAID, SPEED, TEMPERATURE, follow, new_memory
 from estimators.direct_pressure.published import PUBLISHED, follow_published, stationary_std
@@ -220,6 +220,36 @@ def test_std_of_the_rate_at_the_alarm_is_that_of_its_errors(interval: float, noi
         errors.append((said["rate"][found] - truth) / said["rate_std"][found])
     bar = 1.2 + 2.0 / (2.0 * len(errors)) ** 0.5  # the study's, and two std of a root mean square of 80
     assert 0.6 < np.sqrt(np.mean(np.square(errors))) < bar
+
+
+def test_evidence_of_an_onset_is_that_of_the_difference_a_leak_makes_to_the_innovations() -> None:
+    """The same samples through the quiet filter with and without a leak of unit rate: s is what their innovations
+    differ by, A = sum s x, B = sum s^2; the loads' time goes on in between."""
+    rng, dt, r = np.random.default_rng(0), 0.4, 500.0**2
+    sound = 1e5 + 500.0 * rng.standard_normal(31)
+    onset = 9.5 * dt
+    leaky = sound - np.maximum(dt * np.arange(31) - onset, 0.0)
+    keeps, gained = (1.0, 0.99, 0.98), (10.0, 4e3, 2e4)
+    rows, known = np.zeros((onsets.MOST, onsets.SIZE)), 0
+    whitened = []
+    for z in (leaky, sound):
+        q = np.zeros(quiet.SHAPE)
+        quiet.start.py_func(q, z[0], r, 450.0)
+        x = []
+        for i in range(1, 31):
+            quiet.predict.py_func(q, keeps, gained)
+            gain, total = quiet.gains.py_func(q, r)
+            innovation = z[i] - q[:, 0].sum()
+            quiet.correct.py_func(q, innovation, gain, total)
+            x.append(innovation / total**0.5)
+            if z is sound:
+                known = onsets.predict.py_func(rows, known, keeps, dt, i * dt)
+                onsets.take.py_func(rows, known, x[-1], gain, total)
+        whitened.append(np.array(x))
+    s = whitened[0] - whitened[1]
+    (row,) = rows[:known][np.isclose(rows[:known, onsets.AT], onset)]
+    assert row[onsets.A] == pytest.approx(s @ whitened[1], rel=1e-7)
+    assert row[onsets.B] == pytest.approx(s @ s, rel=1e-7)
 
 
 # --- a level that is too low
