@@ -1,5 +1,5 @@
-"""Claims about the wheel-radius estimator where driving is not as it should be: nothing to learn from, no signal, a dead
-wheel, reverse, other grip, another load, all wheels driven. It says less then, never something false."""
+"""Claims about the wheel-radius estimator where driving is not as it should be: nothing to learn from, no signal, a
+dead wheel, reverse, other grip, another load, all wheels driven. It says less then, never something false."""
 
 from __future__ import annotations
 

@@ -103,8 +103,7 @@ def load_map(source: ColumnMap | Mapping[str, Any] | str | Path) -> ColumnMap:
 
 
 def fitting_map(path: Path, columns: Iterable[str]) -> ColumnMap:
-    """The built-in map whose columns are all there, time aside: an MDF channel brings its own. Raises ValueError if none
-    is."""
+    """The built-in map whose columns are all there, time aside: an MDF channel brings its own. ValueError if none."""
     present = set(columns)
     for name in _built_in_names():
         candidate = load_map(name)

@@ -7,8 +7,8 @@ well: at constant speed only the diagonal contrast is known, which cannot tell f
 apart:
 
 Is there a loss at all? The significance -x / std, once a second, is averaged (`Ewma`, memory about 1 / (1 - FORGETTING)
-seconds) and compared with THRESHOLD, which gives FALSE_PER_HOUR on sound tyres. The significance is neither Gaussian nor
-independent (the greatest of 14 fits; errors that last a drive), so the threshold is the empirical one of
+seconds) and compared with THRESHOLD, which gives FALSE_PER_HOUR on sound tyres. The significance is neither Gaussian
+nor independent (the greatest of 14 fits; errors that last a drive), so the threshold is the empirical one of
 `estimators.detectors.empirical_threshold`, see `thresholds`.
 Does it matter? -x must exceed LEVEL of the nominal pressure times the car's radius sensitivity (15 %: 0.15 % of radius
 for the default car). UN R141 asks for -20 %, FMVSS 138 for -25 %: on a car of the mean sensitivity 15 % leaves a margin

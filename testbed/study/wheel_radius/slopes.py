@@ -1,7 +1,7 @@
-"""Figure 5: the slope of slip against normalised traction on grippy, loose and slippery ground, found again by the filter.
+"""Figure 5: the slope of slip against normalised traction on grippy, loose and slippery ground, found by the filter.
 
-The paper shows slip curves of asphalt, gravel and snow, without numbers. Here the same car drives with friction 1.0, 0.6
-and 0.2. Truth: a straight line through the slip that the simulated tyres really have, driven less free wheel, against
+The paper shows slip curves of asphalt, gravel and snow, without numbers. Here one car drives with friction 1.0, 0.6
+and 0.2. Truth: a straight line through the slip that the simulated tyres really have, driven less free wheel, over
 their traction (force over load), tenths of a second with less than TRACTION; the Magic Formula's slope at zero does not
 depend on friction, so it is the bend of the curve that the line sees. Estimate: 1/k of both sides at the end.
 """
@@ -43,7 +43,9 @@ def drive_slopes(drives: dict[str, Any]) -> dict[str, Any]:
     row: dict[str, Any] = {}
     for friction, notes in drives.items():
         scenario = Scenario.from_notes(notes)
-        traction, slip, said = [], [], {}
+        traction: list[np.ndarray] = []
+        slip: list[np.ndarray] = []
+        said: dict[str, float] = {}
         with Session(scenario, None, [METHOD], variant_of(scenario, {}, {}, {})) as session:
             for stretch, words in session.run():
                 pull = stretch["fx"] / np.maximum(stretch["load"], 1.0)
