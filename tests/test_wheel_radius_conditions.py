@@ -122,7 +122,7 @@ def test_a_payload_of_600_kg_is_weighed_and_is_no_alarm_while_two_low_rear_tyres
     assert alarms == [[], [("rl", "rr")]]
     methods = fed(Methods(CAR), drive(speed, car=laden, noise=Noise(), seed=4))
     mass, std = methods.payload.mass()
-    assert abs(mass - laden.mass) < 2.0 * std < 200.0
+    assert abs(mass - laden.mass) < 2.0 * std < 250.0
 
 
 def test_a_load_shift_is_the_radius_law_and_what_is_not_measured_counts_little() -> None:

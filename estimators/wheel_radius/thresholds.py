@@ -1,8 +1,8 @@
 """The threshold of the alarm, and how it comes from a stated false-alarm rate.
 
-Two ways from a record of sound drives' significances to the threshold for FALSE_PER_HOUR, both extrapolate:
-`designed` plays the record through the detector at many thresholds (log-linear tail); `designed_by_tail` fits the maxima
-of minutes by a generalised Pareto tail, which may be heavier. The larger one counts. Record: 66 simulated drives, 4.1 h,
+Two ways from a record of sound drives' significances to the threshold for FALSE_PER_HOUR, both extrapolate: `designed`
+plays the record through the detector at many thresholds (log-linear tail); `designed_by_tail` fits the maxima of
+minutes by a generalised Pareto tail, which may be heavier. The larger one counts. Record: 66 simulated drives, 4.1 h,
 classes A to D, 50 to 120 km/h, town, motorway, slalom, stops and constant speed, all three kinds of drive, friction 1.0
 to 0.2, payload to 300 kg, cars and seeds of their own: 2.72 by the first, 3.57 by the second (95 %: 2.2 to 32: the
 record leaves the tail open). Checked on 40 other drives of 20 other cars, 2.5 h: no alarm, greatest statistic 2.0.

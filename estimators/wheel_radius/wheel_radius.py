@@ -59,6 +59,7 @@ class WheelRadius(Estimator):
         self._alarm = LowPressureAlarm(car)
         self._due: int | None = None
         self._warned: set[str] = set()
+        self._unheard = set(self.requires)
 
     def use_calibration(self, document: Mapping[str, Any]) -> None:
         """Start calibrated; a residual that the document lacks is still learnt."""
@@ -78,6 +79,7 @@ class WheelRadius(Estimator):
     def update(self, samples: Mapping[str, Signal], until: float) -> Outputs:
         """See `Estimator.update`."""
         flags = self._grid.add(samples)
+        self._unheard -= {name for name in self.requires if name in samples and len(samples[name])}
         cells, more = self._grid.close(until)
         flags += more
         rows: list[Row] = []
@@ -105,7 +107,8 @@ class WheelRadius(Estimator):
             if self._calibration.done.all():
                 self._learning = None
         flags += [Flag(time, text) for text in self._doubts()]
-        rows.append((time, self._estimates(time, alarms)))
+        if not self._unheard:
+            rows.append((time, self._estimates(time, alarms)))
 
     def _doubts(self) -> list[str]:
         """What makes the estimates less sure from now on, each told once."""
