@@ -14,7 +14,7 @@ from estimators.vibration.spectrum import EFFICIENCY, LINES, Spectrum
 
 LEVEL_STD = 5.0  # of ln PSD: any road
 WHITE_STD = 3.0
-WHITE_BELOW = 3.0  # ln by which a white floor is expected below the timing noise at the mode
+WHITE_BELOW = 4.0  # ln by which a white floor is expected below the band's average
 TIMER_STD = 1e-6 / math.sqrt(12.0)  # s, of an edge time: rounding to 1 us
 TIMER_LN_STD = 1.5  # of its variance's ln: other timers, the sensor's own jitter
 NOISE_BAND = (135.0, 165.0)  # Hz: there is no mode
@@ -54,7 +54,17 @@ class ModeFrequency:
         mean, precision = self._prior(float(power[heard].mean()), spectrum.timing / spectrum.segments)
         p = mean.copy() if start is None else start.copy()
         information = np.empty((SIZE, SIZE))
-        fit(p, self.mode.frequency, self._f, self._within, power, EFFICIENCY * count, mean, precision, information)
+        fit(
+            p,
+            self.mode.frequency,
+            self._f,
+            self._within,
+            power,
+            EFFICIENCY * spectrum.worth * count,
+            mean,
+            precision,
+            information,
+        )
         variance = float(np.linalg.inv(information)[FREQUENCY, FREQUENCY])
         if not (np.isfinite(p).all() and math.isfinite(variance) and variance > 0.0):
             return None
@@ -71,7 +81,7 @@ class ModeFrequency:
         mean = np.array(
             [
                 math.log(m.frequency), math.log(m.damping), math.log(max(level, 1e-300) * 4.0 * m.damping**2),
-                m.slope[0], m.bend[0], timer + 2.0 * math.log(m.frequency) - WHITE_BELOW, timer,
+                m.slope[0], m.bend[0], math.log(max(level, 1e-300)) - WHITE_BELOW, timer,
             ]
         )  # fmt: skip
         std = np.array([m.frequency_std, m.damping_std, LEVEL_STD, m.slope[1], m.bend[1], WHITE_STD, TIMER_LN_STD])
