@@ -84,5 +84,12 @@ class ModeFrequency:
                 m.slope[0], m.bend[0], math.log(max(level, 1e-300)) - WHITE_BELOW, timer,
             ]
         )  # fmt: skip
-        std = np.array([m.frequency_std, m.damping_std, LEVEL_STD, m.slope[1], m.bend[1], WHITE_STD, TIMER_LN_STD])
-        return mean, std**-2.0
+        return mean, self.precisions()
+
+    def precisions(self) -> NDArray[np.float64]:
+        """Of the priors, shape (7,)."""
+        m = self.mode
+        return (
+            np.array([m.frequency_std, m.damping_std, LEVEL_STD, m.slope[1], m.bend[1], WHITE_STD, TIMER_LN_STD])
+            ** -2.0
+        )

@@ -35,7 +35,7 @@ class Reading:
 
     time: until when [s]; seconds: of record that it rests on; frequency: natural frequency [Hz]; ln_std: of its ln;
     information: of ln frequency, from the spectrum alone; speed: mean wheel speed [rad/s], nan without; excitation:
-    PSD of the mode over that of the noise at its peak, 0 without.
+    PSD of the mode over that of the noise at its peak, 0 without; parameters: of `spectral_fit`, () without.
     """
 
     wheel: str
@@ -49,6 +49,7 @@ class Reading:
     damping: float
     speed: float
     excitation: float
+    parameters: tuple[float, ...] = ()
 
 
 class _Listener:
@@ -87,7 +88,7 @@ class _Listener:
         speed, seconds = spectrum.omega / spectrum.segments, spectrum.segments * HOP / RATE
         return Reading(
             self.wheel, self.mode, kind, time, seconds, found.frequency, found.ln_std, found.information,
-            found.damping, speed, found.excitation,
+            found.damping, speed, found.excitation, tuple(found.parameters.tolist()),
         )  # fmt: skip
 
 
