@@ -18,6 +18,7 @@ WHITE_BELOW = 4.0  # ln by which a white floor is expected below the band's aver
 TIMER_STD = 1e-6 / math.sqrt(12.0)  # s, of an edge time: rounding to 1 us
 TIMER_LN_STD = 1.5  # of its variance's ln: other timers, the sensor's own jitter
 NOISE_BAND = (135.0, 165.0)  # Hz: there is no mode
+STANDS_OUT = 4.0  # std of the noise's own mean over the mode's width: below, the mode may be a bump of the noise
 LEAST_LINES = 15  # with a count, for seven parameters
 
 
@@ -45,7 +46,7 @@ class ModeFrequency:
         self._f = np.ascontiguousarray(LINES[self._lines])
 
     def fitted(self, spectrum: Spectrum, start: NDArray | None) -> Fitted | None:
-        """None if too few lines are counted. start: parameters to begin at."""
+        """None if too few lines are counted, or nothing stands out of the noise. start: parameters to begin at."""
         count = spectrum.count[self._lines]
         seen, heard = count > 0.0, (count > 0.0) & (self._within > 0.0)
         if heard.sum() < LEAST_LINES or self._f[heard][-1] < self.mode.highest_needed:
@@ -71,6 +72,9 @@ class ModeFrequency:
         at, one, both = np.array([math.exp(p[FREQUENCY])]), np.empty(1), np.empty(1)
         density(p, self.mode.frequency, at, np.ones(1), one, both, np.empty((1, SIZE)))
         noise = max(float(both[0] - one[0]), 1e-300)
+        ordinates = EFFICIENCY * spectrum.worth * spectrum.segments * 2.0 * math.exp(p[DAMPING]) * float(at[0])
+        if float(one[0]) / noise * math.sqrt(max(ordinates, 0.0)) < STANDS_OUT:
+            return None
         gained = max(1.0 / variance - precision[FREQUENCY], 0.0)
         return Fitted(float(at[0]), math.sqrt(variance), gained, math.exp(p[DAMPING]), float(one[0]) / noise, p)
 

@@ -22,8 +22,7 @@ def smoothed_spectrum(speed: NDArray[np.float64], rate: float) -> tuple[NDArray[
     window = np.hanning(n)
     power = 2.0 * np.abs(np.fft.rfft(level * window)) ** 2 / (rate * np.sum(window**2))
     lines = max(round(SMOOTHING * n / rate), 1)
-    f: NDArray[np.float64] = np.arange(len(power)) * (rate / n)
-    return f, np.convolve(power, np.full(lines, 1.0 / lines), mode="same")
+    return np.arange(len(power)) * np.float64(rate / n), np.convolve(power, np.full(lines, 1.0 / lines), mode="same")
 
 
 def peak_frequency(speed: NDArray[np.float64], rate: float, band: tuple[float, float]) -> float:

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimators.drive_log import WHEELS
-from estimators.vibration.modes import ANTIPHASE, IN_PHASE, MODES, Mode
+from estimators.vibration.modes import ANTIPHASE, MODES, Mode
 from estimators.vibration.published.ar2 import kalman, least_squares, natural_frequency
 from estimators.vibration.published.fft_batch import smoothed_spectrum
 from estimators.wheel_speed.edge_speed import TEETH, Samples
@@ -48,8 +48,12 @@ RUNS = (
     ("B", 110.0, "motorway"), ("C", 60.0, "town"), ("A", 120.0, "constant"), ("C", 70.0, "slalom"),
     ("A:300,C:400,B:4000", 80.0, "constant"), ("A", 100.0, "motorway"),
 )  # fmt: skip
-KNOWN = {"antiphase": (86.0, 0.07, 80.0), "in_phase": (40.0, 0.15, 40.0)}  # Hz, damping ratio, km/h
-PATCH = 0.115  # m
+# frequency [Hz], damping ratio, then speeds [km/h] with slope and bend of the road's input as fits to the car have them
+KNOWN = {
+    "antiphase": (84.0, 0.07, ((60.0, -2.5, 1.0), (80.0, -0.6, 3.5), (130.0, 1.0, 1.0))),
+    "in_phase": (40.0, 0.15, ((45.0, 0.0, 6.0),)),
+}
+RECORDS = 8  # of each shape in a repetition
 SMALL = 14.0  # s of a drive in the small form
 
 
@@ -148,33 +152,39 @@ def _run(task: dict[str, Any]) -> dict[str, Any]:
     return {"means": means}
 
 
-def known_process(frequency: float, damping: float, speed: float, seconds: float, seed: int) -> NDArray[np.float64]:
-    """A mode driven by a road whose velocity is white, felt as the mean over the contact patch, as RATE samples of
-    wheel speed between teeth at `speed` [m/s]; Gaussian, r.m.s. 0.01 rad/s."""
+def known_process(
+    mode: str, shape: tuple[float, float, float], seconds: float, seed: int, frequency: float | None = None
+) -> NDArray[np.float64]:
+    """RATE samples of wheel speed between teeth less its mean, Gaussian, r.m.s. 0.01 rad/s: one mode of `frequency`
+    [Hz] (None: KNOWN's), its input shaped as `spectral_fit` says within the mode's band and nothing outside."""
+    known, damping, _ = KNOWN[mode]
+    kmh, slope, bend = shape
     n = round(seconds * RATE)
     f = np.fft.rfftfreq(n, 1.0 / RATE)
-    x = f / frequency
-    felt = np.sinc(f * PATCH / speed) * droop(f, TEETH * speed / (2.0 * np.pi * RADIUS))
-    gain = felt / np.sqrt((1.0 - x**2) ** 2 + (2.0 * damping * x) ** 2)
+    x, u = f / (frequency or known), np.log(np.maximum(f, 1.0) / mode_of(mode).frequency)
+    low, high = mode_of(mode).band
+    inside = (f > low - 4.0) & (f < high + 4.0)
+    felt = np.exp(0.5 * u * (slope + u * bend)) * droop(f, TEETH * kmh / 3.6 / (2.0 * np.pi * RADIUS))
+    gain = np.where(inside, felt / np.sqrt((1.0 - x**2) ** 2 + (2.0 * damping * x) ** 2), 0.0)
     rng = np.random.default_rng(seed)
     signal = np.fft.irfft(gain * (rng.standard_normal(len(f)) + 1j * rng.standard_normal(len(f))), n)
     return 0.01 * signal / np.std(signal)
 
 
 def _known(task: dict[str, Any]) -> dict[str, Any]:
-    """Four records (as of four wheels) of the process, with each share of noise."""
-    frequency, damping, kmh = KNOWN[task["mode"]]
-    mode, speed = mode_of(task["mode"]), kmh / 3.6
-    row: dict[str, Any] = {"words": [[] for _ in SHARES]}
-    for w in range(len(WHEELS)):
-        signal = known_process(frequency, damping, speed, JUDGED, task["seed"] + w)
-        noise = np.random.default_rng((task["seed"], w)).standard_normal(len(signal))
-        for said, share in zip(row["words"], SHARES, strict=True):
-            heard = _as_heard(speed / RADIUS + signal + share * np.std(signal) * noise)
-            last = [r for r in readings(heard, RADIUS) if r.kind == "running" and r.mode is mode][-1]
-            said.append({"vibration": last.frequency, **published(heard.speed, mode, filtered=False)})
-    assert mode in (ANTIPHASE, IN_PHASE)
-    return row
+    """By shape, share of noise and record, what each method says."""
+    mode = mode_of(task["mode"])
+    words: list[list[list[dict[str, float]]]] = []
+    for k, shape in enumerate(KNOWN[task["mode"]][2]):
+        words.append([[] for _ in SHARES])
+        for w in range(1 if task["duration"] == SMALL else RECORDS):
+            signal = known_process(task["mode"], shape, JUDGED, task["seed"] + 100 * k + w)
+            noise = np.random.default_rng((task["seed"], k, w)).standard_normal(len(signal))
+            for said, share in zip(words[k], SHARES, strict=True):
+                heard = _as_heard(shape[0] / 3.6 / RADIUS + signal + share * np.std(signal) * noise)
+                last = [r for r in readings(heard, RADIUS) if r.kind == "running" and r.mode is mode][-1]
+                said.append({"vibration": last.frequency, **published(heard.speed, mode, filtered=False)})
+    return {"words": words}
 
 
 def _as_heard(speed: NDArray[np.float64]) -> Heard:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -92,7 +93,7 @@ def published(speed: NDArray[np.float64], mode: Mode, filtered: bool = True) -> 
     peaks = [peak_frequency(speed[i : i + batch], RATE, mode.band) for i in range(0, len(speed) - batch + 1, batch)]
     signal = band_passed(speed, mode) if filtered else speed - speed.mean()
     return {
-        "fft": float(np.mean(peaks)),
+        "fft": float(np.mean(peaks)) if peaks else math.nan,
         "ar2_rls": _natural(least_squares(signal, RATE)),
         "ar2_kalman": _natural(kalman(signal, RATE, INNOVATION)),
     }
