@@ -82,7 +82,7 @@ def print_report(console: Console, result: Mapping[str, Any]) -> None:
         for quantity, entry in method["estimates"].items():
             scale, unit = SHOWN.get(entry["unit"], (1.0, entry["unit"]))
             table.add_row(quantity, f"{entry['value'] * scale:+.4g}", f"{entry['std'] * scale:.2g}", unit)
-        console.print(table)
+        console.print(table if method["estimates"] else f"{name}: nothing estimated")
         for flag in method["flags"]:
             console.print(f"flag  {flag['time_s']:9.1f} s  {flag['text']}", highlight=False, markup=False)
         for alarm in method["alarms"]:

@@ -62,9 +62,13 @@ class Bank:
         return {name: document for name, document in learnt.items() if document is not None}
 
     def missing(self, names: Iterable[str]) -> dict[str, list[str]]:
-        """Members that can say nothing with only the signals `names`, and what each lacks."""
+        """Members that can say nothing with only the signals `names`, and what each lacks: what it requires, or all
+        that it reads if there is none of it."""
         present = set(names)
         lacks = {name: [s for s in member.requires if s not in present] for name, member in self._members.items()}
+        for name, member in self._members.items():
+            if present.isdisjoint(member.reads):
+                lacks[name] = list(member.requires or member.reads)
         return {name: signals for name, signals in lacks.items() if signals}
 
 

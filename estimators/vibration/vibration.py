@@ -55,6 +55,7 @@ class _Wheel:
         self.analysis = WheelVibration(wheel, car.rolling_radius, modes)
         self._modes = modes
         self._has_edges = self._has_speed = False
+        self._carried: tuple[str, ...] | None = None  # modes that the bus speed carries, as last said
 
     def advance(self, begin: float, end: float) -> tuple[list[Reading], list[Complaint]]:
         """The second from `begin` to `end` [s]."""
@@ -72,11 +73,13 @@ class _Wheel:
             return [], complaints
         self.bus.add(stamps, np.clip(np.abs(speeds), 0.0, 1e3))
         samples, _ = self.bus.advance(end)
-        carried = {mode.name for mode in self._modes if self.bus.carries(mode.highest_needed)}
-        for mode in self._modes:
-            if mode.name not in carried and len(speeds) and float(np.median(np.abs(speeds))) > TURNING:
-                text = f"{mode.name} frequency is not observable at {self.bus.rate:.3g} Hz"
-                complaints.append((end, f"{self.speed.name}: {text}"))
+        carried = tuple(mode.name for mode in self._modes if self.bus.carries(mode.highest_needed))
+        turns = len(speeds) > 0 and float(np.median(np.abs(speeds))) > TURNING
+        if turns and carried != self._carried and len(carried) < len(self._modes):
+            self._carried = carried
+            lost = " and ".join(mode.name for mode in self._modes if mode.name not in carried)
+            text = f"{lost} frequency not observable at {self.bus.rate:.3g} Hz, from edges only"
+            complaints.append((end, f"{self.speed.name}: {text}"))
         readings = self.analysis.advance(samples, end, math.inf)
         return [r for r in readings if r.mode.name in carried], complaints
 

@@ -178,7 +178,7 @@ def _known(task: dict[str, Any]) -> dict[str, Any]:
     for k, shape in enumerate(KNOWN[task["mode"]][2]):
         words.append([[] for _ in SHARES])
         for w in range(1 if task["duration"] == SMALL else RECORDS):
-            signal = known_process(task["mode"], shape, JUDGED, task["seed"] + 100 * k + w)
+            signal = known_process(task["mode"], shape, min(JUDGED, task["duration"]), task["seed"] + 100 * k + w)
             noise = np.random.default_rng((task["seed"], k, w)).standard_normal(len(signal))
             for said, share in zip(words[k], SHARES, strict=True):
                 heard = _as_heard(shape[0] / 3.6 / RADIUS + signal + share * np.std(signal) * noise)
