@@ -102,7 +102,7 @@ def print_report(console: Console, result: Mapping[str, Any]) -> None:
         for quantity, entry in method["estimates"].items():
             scale, unit = SHOWN.get(entry["unit"], (1.0, entry["unit"]))
             table.add_row(quantity, f"{entry['value'] * scale:+.4g}", f"{entry['std'] * scale:.2g}", unit)
-        console.print(table)
+        console.print(table if method["estimates"] else f"{name}: nothing estimated")
         for row in result["rows"] if name == "wheel_radius" else ():
             low, high = (1e3 * end for end in row["ci95"])
             console.print(

@@ -62,7 +62,8 @@ class Bank:
         return {name: document for name, document in learnt.items() if document is not None}
 
     def missing(self, names: Iterable[str]) -> dict[str, list[str]]:
-        """Members that can say nothing with only the signals `names`, and what each lacks."""
+        """Members that can say nothing with only the signals `names`, and what each lacks: what it requires, and
+        all of those of which it requires any if there is none."""
         present = set(names)
         lacks = {name: [s for s in member.requires if s not in present] for name, member in self._members.items()}
         for name, member in self._members.items():

@@ -21,7 +21,7 @@ from testbed.roads.iri import iri
 from testbed.roads.road import ISO_SPACING
 from testbed.scenario import Scenario
 
-DURATION = 1.2  # s: more than one stretch
+DURATION = 3.2  # s: more than one stretch, and a second of wheel speed for the vibration analysis
 
 
 def warm() -> None:
