@@ -11,7 +11,8 @@ mean spectrum, so for the signal-to-noise of that drive. Interval: chi-square of
 by chance too, which the row `..._all_cells` is not. Front and rear wheel roll over the same road and err alike at a
 high signal-to-noise (correlation up to 0.9), so the intervals are too narrow by up to a root of two. A biased method
 may scatter less than the bound: AR(2) does, because its band-pass holds it; see its sensitivity. The bound is that of a
-stationary Gaussian spectrum of the model's form, which class D is not: front wheels there lift and land.
+stationary Gaussian spectrum of the model's form; the car on a rough road is neither quite linear nor Gaussian, and the
+excess over the bound grows with the road's class (1.0 to 1.1 on A). Which of the two it is has not been separated.
 
 METHOD_bias_hz: worst of white noise of 30 and 100 % (of the r.m.s. within the mode's band) added to the tracked wheel
 speed, and of two truths: a process whose frequency is known (error), and the multibody car on C at 80 km/h (shift
