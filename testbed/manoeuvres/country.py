@@ -2,7 +2,8 @@
 right.
 
 Between straights lie curves entered and left over clothoids, as wide as makes their lateral acceleration at the given
-speed one of LATERAL, and TURN long in time.
+speed one of LATERAL, and TURN long in time. A curve to the left is followed by the same one to the right, so the road
+goes on along x.
 """
 
 from __future__ import annotations
@@ -41,5 +42,5 @@ class Country(Manoeuvre):
         inside = np.clip(np.minimum(place - straight, lap - place) / clothoid, 0.0, 1.0)
         radius = np.array([max(speed**2 / a, SMALLEST_RADIUS) for a in LATERAL])
         side = np.where(number % 2 == 0, 1.0, -1.0)
-        curvature = side * inside / radius[number.astype(int) % len(LATERAL)]
+        curvature = side * inside / radius[number.astype(int) // 2 % len(LATERAL)]
         return driven(*speed_plan(time, level, duration), curvature_path(curvature))
