@@ -24,12 +24,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-RATE = 400.0  # Hz of the wheel speed that is taken
+from estimators.wheel_speed.resampling import RATE
+
 BLOCK = 2.0  # s
 SIZE = round(RATE * BLOCK)
 INDEPENDENT = 2.0 / 3.0  # share of the bins of a Hann window
 INFORMED = 0.6  # of the grid's variance: a posterior wider than that says nothing
-USABLE = 0.46  # of the tooth rate: edges carry no more
+LEAST_BINS = 0.5  # of the band
 
 
 @dataclass(frozen=True)
@@ -73,27 +74,28 @@ class ModeGrid:
         response = 1.0 / ((1.0 - (f / f0) ** 2) ** 2 + (2.0 * zeta * f / f0) ** 2)
         u = np.log(f / middle)
         spectra = response / response.max(axis=1, keepdims=True) * np.exp(slope * u + bend * u**2) + noise
-        self._log_sum = np.log(spectra).sum(axis=1)
+        self._log = np.log(spectra).astype(np.float32)
         self._inverse = (1.0 / spectra).astype(np.float32)
         self._log_f0 = np.log(f0[:, 0])
-        self._bins = len(f)
+        self.frequency = f
         self._mean, self._variance = float(self._log_f0.mean()), float(self._log_f0.var())
         self._window = np.hanning(SIZE + 1)[:SIZE]
 
-    def needed_tooth_rate(self) -> float:
-        """Teeth per second [Hz] from which on the band is carried by the edges."""
-        return self.band.high / USABLE
-
-    def fit(self, speed: NDArray[np.float64]) -> NDArray[np.float64]:
-        """speed: [rad/s], shape (wheels, SIZE) -> mean and std of ln f0, shape (wheels, 2); NaN where nothing is said."""
+    def fit(self, speed: NDArray[np.float64], used: NDArray[np.bool_]) -> NDArray[np.float64]:
+        """speed: [rad/s], shape (wheels, SIZE); used: bins of the band that count, of `frequency`, shape (wheels,
+        bins) -> mean and std of ln f0, shape (wheels, 2); NaN where nothing is said."""
         level = speed - speed.mean(axis=1, keepdims=True)
         ramp = np.arange(SIZE) - 0.5 * (SIZE - 1)
         level = level - np.outer(level @ ramp / (ramp @ ramp), ramp)
         power = np.abs(np.fft.rfft(level * self._window, axis=1)[:, self._inside]) ** 2
-        usable = np.isfinite(power).all(axis=1) & (power.sum(axis=1) > 0.0)
-        scaled = np.where(usable[:, None], power / np.maximum(power.mean(axis=1, keepdims=True), 1e-300), 1.0)
-        gain = (self._inverse @ scaled.T.astype(np.float32)).astype(np.float64) / self._bins
-        log_likelihood = -INDEPENDENT * (self._log_sum[:, None] + self._bins * np.log(gain))
+        bins = used.sum(axis=1)
+        usable = np.isfinite(power).all(axis=1) & (power.sum(axis=1) > 0.0) & (bins >= LEAST_BINS * used.shape[1])
+        scale = np.where(usable, np.nan_to_num(power).mean(axis=1), 1.0)[:, None]
+        scaled = np.where(usable[:, None] & used, np.nan_to_num(power) / scale, 0.0)
+        bins = np.maximum(bins, 1)
+        gain = np.maximum((self._inverse @ scaled.T.astype(np.float32)).astype(np.float64), 1e-30) / bins
+        log_sum = (self._log @ used.T.astype(np.float32)).astype(np.float64)
+        log_likelihood = -INDEPENDENT * (log_sum + bins * np.log(gain))
         weight = np.exp(log_likelihood - log_likelihood.max(axis=0))
         weight /= weight.sum(axis=0)
         mean = self._log_f0 @ weight

@@ -34,7 +34,7 @@ from estimators.itpms.sound_car import (
     STATES,
     SoundCar,
 )
-from estimators.itpms.speed_bins import CONTRAST_STD, GYRO_STD, SLIP_DIFFERENCE_STD, Calibration, weights
+from estimators.itpms.speed_bins import CONTRAST_STD, GYRO_STD, SIZE, SLIP_DIFFERENCE_STD, Calibration, LearningBlock, weights
 from estimators.wheel_radius.noise import NoiseLevel
 from estimators.wheel_radius.wheel_change import CONTRASTS
 
@@ -57,12 +57,24 @@ STANDSTILL = 1e-4  # rad/s of the gyro's mean while the car stands
 @dataclass(frozen=True)
 class Block:
     """number: its end is (number + 1) BLOCK [s]; frequency: mean and std of ln f by mode and wheel, shape (2, 4, 2),
-    NaN where not read; radius."""
+    NaN where not read; radius; speed [m/s], NaN where it is not known."""
 
     number: int
     frequency: NDArray[np.float64]
     radius: RadiusBlock
     speed: float
+
+    def as_learning(self) -> LearningBlock | None:
+        """What a calibration learns from it; None if nothing was read."""
+        value, variance = np.full(SIZE, np.nan), np.full(SIZE, np.nan)
+        value[:CONTRAST] = self.frequency[..., 0].reshape(-1)
+        variance[:CONTRAST] = (WIDER * self.frequency[..., 1].reshape(-1)) ** 2
+        value[CONTRAST:] = self.radius.value
+        variance[CONTRAST:] = np.where(np.isfinite(self.radius.value), CONTRAST_STD**2, np.nan)
+        if not np.isfinite(self.speed) or not np.isfinite(value).any():
+            return None
+        r = self.radius
+        return LearningBlock(self.speed, value, variance, r.yaw_gain, r.traction, r.curvature)
 
 
 def _block_diagonal(common: float, each: float) -> NDArray[np.float64]:

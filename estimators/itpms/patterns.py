@@ -20,6 +20,7 @@ from estimators.compiled import compiled
 
 TYPICAL, SPREAD, ALIKE = -0.2, 0.07, 0.03  # ln pressure: 18 % less, give or take 6, alike to 3
 FURTHER = 1.0
+WIDE = 0.25  # ln pressure
 PATTERNS = np.array([[bool(code >> wheel & 1) for wheel in range(4)] for code in range(1, 16)])
 _COST = FURTHER * np.array([0.0, 1.0, 2.0, 0.0])
 PRIOR = -_COST[PATTERNS.sum(axis=1) - 1] - np.log(15.0)
@@ -30,8 +31,9 @@ _NUMBERS = PATTERNS.astype(np.int64)
 class Judgement:
     """statistic: ln of the likelihood ratio of some loss against none, patterns summed over their prior, for the onset
     that explains best; onset: its place in the list; low: probability of each wheel to be low, given some loss, (4,);
-    best: the likeliest pattern (4,) bool, its probability; change, std: ln pressure of each wheel, averaged over
-    patterns (4,)."""
+    best: the likeliest pattern (4,) bool; certainty: its probability; change, std: ln pressure of each wheel, averaged
+    over patterns (4,); unknown: variance of a loss of each wheel from before the first onset that data do not exclude,
+    with a prior std of WIDE, (4,)."""
 
     statistic: float
     onset: int
@@ -40,6 +42,7 @@ class Judgement:
     certainty: float
     change: NDArray[np.float64]
     std: NDArray[np.float64]
+    unknown: NDArray[np.float64]
 
 
 def judge(score: NDArray[np.float64], information: NDArray[np.float64]) -> Judgement:
@@ -53,7 +56,8 @@ def judge(score: NDArray[np.float64], information: NDArray[np.float64]) -> Judge
     change = weight @ mean
     spread = np.sqrt(np.maximum(weight @ (variance + mean**2) - change**2, 0.0))
     best = int(np.argmax(weight))
-    return Judgement(statistic, onset, weight @ PATTERNS, PATTERNS[best], float(weight[best]), change, spread)
+    unknown = np.diag(np.linalg.inv(information[0] + np.eye(4) / WIDE**2))
+    return Judgement(statistic, onset, weight @ PATTERNS, PATTERNS[best], float(weight[best]), change, spread, unknown)
 
 
 @compiled
