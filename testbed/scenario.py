@@ -61,8 +61,8 @@ class Scenario:
     """road, manoeuvre, tyre: as on the command line. speed [m/s], duration [s], payload [kg] at payload_position [m]
     from the chassis' centre of gravity, pressures [Pa gauge] and radius_factor [-] by wheel, ambient [K], grade and
     bank [-]. wind: mean speed [m/s], wind_from: where it comes from [rad], 0 against a car that drives along x, a
-    quarter turn from the left; gusts: their std over the mean [-]. seed: of road and sensors; car_seed: of what differs from one sensor to the next of its kind, None: as
-    seed."""
+    quarter turn from the left; gusts: their std over the mean [-]. seed: of road and sensors; car_seed: of what
+    differs from one sensor to the next of its kind, None: as seed."""
 
     road: str = "C"
     speed: float = 80.0 / 3.6

@@ -8,8 +8,8 @@ With l_i = ln(wheel speed / rolling ratio of the path) and small relative radius
     diagonal    = (e1 - e2 - e3 + e4)/2 + D' mu                             the driven axle, D half left less right
                                                                             (s = D'/D = -1 front, 1 rear driven)
 
-A block holds the mean of its readable cells; those of unknown traction (braking) count only where it is never known. `standing` cells give the
-gyro's offset itself. The mean of the four radii is in none of them.
+A block holds the mean of its readable cells; those of unknown traction (braking) count only where it is never known.
+`standing` cells give the gyro's offset itself. The mean of the four radii is in none of them.
 """
 
 from __future__ import annotations
@@ -29,9 +29,9 @@ ENOUGH = 0.5  # share of a block's cells that must be readable
 
 @dataclass(frozen=True)
 class RadiusBlock:
-    """value: the contrasts [-], NaN where not read, shape (3,); yaw_gain: of b in left-right [s/rad]; traction: s mu [-],
-    0 where unknown; curvature: of the path [1/m]; speed: [m/s], NaN if nothing was read; standstill: mean of the gyro while
-    the car stood [rad/s], NaN if it did not."""
+    """value: the contrasts [-], NaN where not read, shape (3,); yaw_gain: of b in left-right [s/rad]; traction: s mu
+    [-], 0 where unknown; curvature: of the path [1/m]; speed: [m/s], NaN if nothing was read; standstill: mean of the
+    gyro while the car stood [rad/s], NaN if it did not."""
 
     value: NDArray[np.float64]
     yaw_gain: float

@@ -91,7 +91,7 @@ class FrequencyBlocks:
             v = self.omega * self._radius
             heard = np.flatnonzero((v >= grid.band.slowest) & (v <= grid.band.fastest))
             if len(heard):
-                used = np.array([self._used(w, grid.frequency, float(change[w])) for w in heard])
+                used = np.array([self._used(w, grid.frequency, float(change[w])) for w in heard.tolist()])
                 found[m, heard] = grid.fit(speed[heard], used)
         return found
 
@@ -107,7 +107,7 @@ class FrequencyBlocks:
         self._speed[w], self._first[w] = self._speed[w][keep:], first + min(keep, len(self._speed[w]))
         return out
 
-    def _used(self, w: int, frequency: NDArray[np.float64], change: float) -> NDArray[np.bool_]:
+    def _used(self, w: int, frequency: NDArray[Any], change: float) -> NDArray[np.bool_]:
         """Which lines of a band count."""
         turns = float(self.omega[w]) / (2.0 * math.pi)
         ring = self._trackers[w].ring
@@ -129,4 +129,3 @@ class FrequencyBlocks:
             if wheel not in WHEELS:
                 raise ValueError(f"tooth patterns have a wheel {wheel!r}, valid: {', '.join(WHEELS)}")
             self._trackers[WHEELS.index(wheel)].ring.use(pattern)
-

@@ -5,8 +5,8 @@ by speed (`speed_bins`), judged by the likelihood of the 16 patterns of low tyre
 (`sound_car`, `patterns`, `monitor`) for both together and for each alone; alarms at one false alarm in 100 h (`alarm`,
 `thresholds`). The published voting scheme (`voting`) runs beside. Estimates each block:
 
-    WHEEL/pressure_change    relative to the calibration, at the present warmth [-]; the std is the stated confidence: it
-                             is WIDE where nothing can be read, and grows while nothing is
+    WHEEL/pressure_change    relative to the calibration, at the present warmth [-]; the std is the stated confidence:
+                             it is WIDE where nothing can be read, and grows while nothing is
     WHEEL/low_probability    even odds of some loss at the threshold [-], std of such a yes or no
     fused_statistic, vibration_statistic, radius_statistic     [nats]
     WHEEL/vibration_flag, WHEEL/radius_flag     1 once the source alone has alarmed for that wheel
@@ -207,4 +207,3 @@ def _columns(rows: list[Row]) -> dict[str, Estimate]:
         name: Estimate(table[:, 0].copy(), table[:, 1].copy(), table[:, 2].copy())
         for name, table in ((name, np.array(column)) for name, column in columns.items())
     }
-

@@ -5,9 +5,9 @@ Spectrum of wheel speed y(t), RATE Hz, in the mode's band, frequency f [Hz]:
     S(f) = g [ exp(s u + b u^2) / ((1 - (f/f0)^2)^2 + (2 zeta f/f0)^2) / peak + n ],   u = ln(f / fc)
 
 f0 the natural frequency, zeta the damping, s and b slope and bend of what excites the mode (road, contact patch, other
-modes), n the timer's noise over the mode's peak; fc the band's middle. Every combination of a grid is a template; the gain g is maximised in closed form
-(g = mean of P/S), the rest is summed over with equal weights, so that what is not known of the road widens the result
-and does not bias it. With periodogram P of a Hann-windowed block, k bins in the band,
+modes), n the timer's noise over the mode's peak; fc the band's middle. Every combination of a grid is a template; the
+gain g is maximised in closed form (g = mean of P/S), the rest is summed over with equal weights, so that what is not
+known of the road widens the result and does not bias it. With periodogram P of a Hann-windowed block, k bins in the band,
 
     ln L = -w sum(ln S + P / (g S)),   w = 2/3 of the bins are independent
 
@@ -52,10 +52,19 @@ class Band:
 
 
 ANTIPHASE = Band(
-    "antiphase", 60.0, 114.0, (62.0, 104.0, 0.5), (0.055, 0.075, 0.1), (-5, -1, 3), (-2, 3, 8), (0, 0.1, 0.5), 13.0, np.inf
+    "antiphase",
+    60.0,
+    114.0,
+    (62.0, 104.0, 0.75),
+    (0.055, 0.075, 0.1),
+    (-5, -1, 3),
+    (-2, 3, 8),
+    (0, 0.1, 0.5),
+    13.0,
+    np.inf,
 )
 IN_PHASE = Band(
-    "in_phase", 24.0, 64.0, (30.0, 54.0, 0.5), (0.1, 0.15, 0.22), (-6, -2, 2), (-1, 4, 9), (0, 0.1, 0.5), 9.0, 16.0
+    "in_phase", 24.0, 64.0, (30.0, 54.0, 0.75), (0.1, 0.15, 0.22), (-6, -2, 2), (-1, 4, 9), (0, 0.1, 0.5), 9.0, 16.0
 )
 
 

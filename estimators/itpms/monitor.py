@@ -34,7 +34,15 @@ from estimators.itpms.sound_car import (
     STATES,
     SoundCar,
 )
-from estimators.itpms.speed_bins import CONTRAST_STD, GYRO_STD, SIZE, SLIP_DIFFERENCE_STD, Calibration, LearningBlock, weights
+from estimators.itpms.speed_bins import (
+    CONTRAST_STD,
+    GYRO_STD,
+    SIZE,
+    SLIP_DIFFERENCE_STD,
+    Calibration,
+    LearningBlock,
+    weights,
+)
 from estimators.wheel_radius.noise import NoiseLevel
 from estimators.wheel_radius.wheel_change import CONTRASTS
 

@@ -1,8 +1,8 @@
 """The 16 patterns of low tyres: how likely each is, and how much its tyres have lost, from the likelihood of a loss.
 
 ln of the likelihood ratio of a loss d [ln pressure], shape (4,), against none is B d - d C d / 2 (`sound_car`). In
-pattern m the n low tyres have lost about the same, the others nothing: d ~ N(TYPICAL, V), V = SPREAD^2 1 1' + ALIKE^2 I.
-Integrated over d, with u = V^-1 TYPICAL, K = C + V^-1 over the rows of m,
+pattern m the n low tyres have lost about the same, the others nothing: d ~ N(TYPICAL, V),
+V = SPREAD^2 1 1' + ALIKE^2 I. Integrated over d, with u = V^-1 TYPICAL, K = C + V^-1 over the rows of m,
 
     ln L(m) = (B + u)' K^-1 (B + u) / 2 - u' V u / 2 - ln det(V K) / 2
 

@@ -35,7 +35,7 @@ SLIP, SLIP_STD = 0.045, 0.02  # per normalised traction
 SLIP_DIFFERENCE_STD = 4e-3
 BEND_STD = 0.1  # m
 GYRO_STD = 0.01  # rad/s
-LEAST_BLOCKS = 90  # with something read, from which on a calibration is one
+LEAST_BLOCKS = 60  # with something read, from which on a calibration is one
 
 
 @dataclass(frozen=True)
@@ -80,7 +80,7 @@ class Calibration:
         rows = [_numbers(document, name, ("level", "std"), len(NODES)) for name in NAMES]
         bend = _numbers(document, "bend", ("value", "std"), 2)
         slip = document.get("slip")
-        if not _finite(slip, 2):
+        if slip is None or not _finite(slip, 2):
             raise ValueError(f"calibration has slip {slip!r}, valid: value and std")
         return cls(
             np.array([row[0] for row in rows]), np.array([row[1] for row in rows]), (slip[0], slip[1]),
@@ -154,5 +154,7 @@ def _fit(
         if i < 8 or read.sum() < 2 * size:
             break
         rest = value[read] - design[read] @ found
-        noise = np.full(read.sum(), MEMORY * float(np.mean(np.clip(rest, *(3.0 * CONTRAST_STD * np.array([-1.0, 1.0]))) ** 2)))
+        noise = np.full(
+            read.sum(), MEMORY * float(np.mean(np.clip(rest, *(3.0 * CONTRAST_STD * np.array([-1.0, 1.0]))) ** 2))
+        )
     return found, np.sqrt(np.diag(covariance))

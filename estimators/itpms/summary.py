@@ -4,8 +4,8 @@ With q = 1 / (1 + exp(threshold - statistic)), the probability of some loss if i
 
     low probability   q P(wheel low | some loss)
     change            q E[d | some loss]           ln pressure
-    std               of that mixture, and of what a loss since before the drive could still be, V = (C_0 + I/PRIOR^2)^-1,
-                      C_0 the information of the first onset; and UNREAD per sqrt(s) while nothing is read, to PRIOR
+    std               of that mixture, and of what a loss since before the drive could still be,
+                      V = (C_0 + I/PRIOR^2)^-1, C_0 the information of the first onset; and UNREAD per sqrt(s) while nothing is read, to PRIOR
 """
 
 from __future__ import annotations

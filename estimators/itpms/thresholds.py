@@ -39,6 +39,4 @@ TUNED = Tuned({"vibration": 16.0, "radius": 16.0, "fused": 14.0}, 8.0)
 def threshold_of(largest: ArrayLike) -> EmpiricalThreshold:
     """The threshold of a statistic from its largest values in each SPAN of sound driving, shape (n,), below 0 as 0."""
     residuals = np.maximum(np.asarray(largest, dtype=np.float64), 0.0)
-    return empirical_threshold(
-        residuals, lambda h: Integrator(1, h, "upper"), 3600.0 / (SPAN * FALSE_ALARMS_PER_HOUR)
-    )
+    return empirical_threshold(residuals, lambda h: Integrator(1, h, "upper"), 3600.0 / (SPAN * FALSE_ALARMS_PER_HOUR))
