@@ -15,7 +15,7 @@ import numpy as np
 from estimators.drive_log import WHEELS
 from estimators.itpms.patterns import Judgement
 
-LEAST_LOSS = 0.075  # of the pressure
+LEAST_LOSS = 0.06  # of the pressure
 CERTAIN = 0.98
 PATIENCE = 4  # blocks
 

@@ -7,7 +7,7 @@ Spectrum of wheel speed y(t), RATE Hz, in the mode's band, frequency f [Hz]:
 f0 the natural frequency, zeta the damping, s and b slope and bend of what excites the mode (road, contact patch, other
 modes), n the timer's noise over the mode's peak; fc the band's middle. Every combination of a grid is a template; the
 gain g is maximised in closed form (g = mean of P/S), the rest is summed over with equal weights, so that what is not
-known of the road widens the result and does not bias it. With periodogram P of a Hann-windowed block, k bins in the band,
+known of the road widens the result and does not bias it. With the periodogram P of a Hann-windowed block,
 
     ln L = -w sum(ln S + P / (g S)),   w = 2/3 of the bins are independent
 

@@ -131,7 +131,8 @@ class Monitor:
         """What is known after a block; None before anything was read."""
         elapsed = 1 if self._last is None else block.number - self._last
         self._last = block.number
-        self._car.begin(block.number, walk_covariance(BLOCK * elapsed), self._likeliest)
+        walk = walk_covariance(BLOCK * elapsed)
+        self._likeliest = self._car.begin(block.number, BLOCK, walk, self._likeliest)
         radius = block.radius
         if np.isfinite(radius.standstill) and self.source != "vibration":
             row = np.zeros(STATES)

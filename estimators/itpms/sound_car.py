@@ -10,13 +10,15 @@ State, in which a sound car differs from its calibration (all random walks)
     15      half the difference of slip per traction, left less right [-]
 
 One scalar measurement y with row h and variance R updates mean x and covariance P as usual, with a Huber weight. A loss
-d [ln pressure], shape (4,), from block t0 on adds g d to the measurement. It moves the innovation by phi d,
+d [ln pressure], shape (4,), that has come to the share s of its size adds g s d to the measurement. It moves the
+innovation by phi d,
 
-    phi = g - h M,     M <- M + K phi            M: what the loss has pulled the state along so far, shape (16, 4)
+    phi = g s - h M,     M <- M + K phi          M: what the loss has pulled the state along so far, shape (16, 4)
 
-so each onset t0 carries M and the sums B = sum phi nu / S, C = sum phi phi' / S, from which the likelihood ratio of any
-loss d is B d - d C d / 2 [Willsky & Jones, IEEE Trans. Autom. Control 21 (1976) 108]. Onsets are kept at ages that grow
-by a ratio: the newest ones all, the first one (a loss before the drive) and the likeliest for good.
+so each onset carries M and the sums B = sum phi nu / S, C = sum phi phi' / S, from which the likelihood ratio of any
+loss d is B d - d C d / 2 [Willsky & Jones, IEEE Trans. Autom. Control 21 (1976) 108]. Two kinds of onset begin with each
+block: a sudden loss (s = 1 at once) and a leak (s rises over LEAK seconds). They are kept at ages that grow by a ratio:
+the newest ones all; the first (a loss before the drive) and the likeliest for good.
 """
 
 from __future__ import annotations
@@ -28,20 +30,24 @@ from estimators.compiled import compiled
 
 STATES = 16
 ANTIPHASE, IN_PHASE, CONTRAST, GYRO, SLIP, BEND_LEFT_RIGHT, BEND_DIAGONAL, SLIP_DIFFERENCE = 0, 4, 8, 11, 12, 13, 14, 15
-ONSETS = 32
+ONSETS = (32, 16)  # sudden, leaks
+LEAK = 120.0  # s
 HUBER = 3.0
 
 
 class SoundCar:
-    """mean (16,), covariance (16, 16); onsets: block numbers, shape (n,); score (n, 4), information (n, 4, 4)."""
+    """mean (16,), covariance (16, 16); onsets: block numbers, rise: s over which each loss comes, shape (n,); score
+    (n, 4), information (n, 4, 4)."""
 
     def __init__(self, covariance: NDArray[np.float64], mean: NDArray[np.float64] | None = None) -> None:
         self.mean = np.zeros(STATES) if mean is None else mean.copy()
         self.covariance = covariance.copy()
-        self.onsets = np.empty(0, dtype=np.int64)
-        self._pulled = np.zeros((ONSETS + 1, STATES, 4))
-        self._score = np.zeros((ONSETS + 1, 4))
-        self._information = np.zeros((ONSETS + 1, 4, 4))
+        self.onsets, self.rise = np.empty(0, dtype=np.int64), np.empty(0)
+        self._share = np.empty(0)
+        size = sum(ONSETS) + 2
+        self._pulled = np.zeros((size, STATES, 4))
+        self._score = np.zeros((size, 4))
+        self._information = np.zeros((size, 4, 4))
 
     @property
     def score(self) -> NDArray[np.float64]:
@@ -51,27 +57,33 @@ class SoundCar:
     def information(self) -> NDArray[np.float64]:
         return self._information[: len(self.onsets)]
 
-    def begin(self, block: int, walk: NDArray[np.float64], likeliest: int | None) -> None:
-        """A block begins: the state may have moved (walk: covariance, (16, 16)) and a loss may begin with it.
-        likeliest: place of the onset that is best at present, which is kept."""
+    def begin(self, block: int, seconds: float, walk: NDArray[np.float64], likeliest: int | None) -> int | None:
+        """A block begins: the state may have moved (walk: covariance, (16, 16)) and a loss may begin with it. seconds:
+        of a block. likeliest: place of the onset that is best at present, which is kept; returns its place now."""
         self.covariance += walk
-        if len(self.onsets) == ONSETS:
-            self._forget(block, likeliest)
-        self.onsets = np.append(self.onsets, block)
-        slot = len(self.onsets) - 1
-        self._pulled[slot], self._score[slot], self._information[slot] = 0.0, 0.0, 0.0
+        for rise, most in zip((0.0, LEAK), ONSETS, strict=True):
+            if int((self.rise == rise).sum()) == most:
+                likeliest = self._forget(block, rise, likeliest)
+            self.onsets, self.rise = np.append(self.onsets, block), np.append(self.rise, rise)
+            slot = len(self.onsets) - 1
+            self._pulled[slot], self._score[slot], self._information[slot] = 0.0, 0.0, 0.0
+        age = seconds * (block - self.onsets + 0.5)
+        self._share = np.where(self.rise > 0.0, np.minimum(age / np.maximum(self.rise, seconds), 1.0), 1.0)
+        return likeliest
 
-    def _forget(self, block: int, likeliest: int | None) -> None:
-        """The onset whose neighbours are nearest in the ratio of their ages goes; never the first or the likeliest."""
-        age = (block - self.onsets).astype(np.float64)
+    def _forget(self, block: int, rise: float, likeliest: int | None) -> int | None:
+        """Of one kind of onset the one whose neighbours are nearest in the ratio of their ages goes; never the first or
+        the likeliest."""
+        places = np.flatnonzero(self.rise == rise)
+        age = (block - self.onsets[places]).astype(np.float64)
         ratio = age[:-2] / age[2:]
-        if likeliest is not None and 0 < likeliest < len(age) - 1:
-            ratio[likeliest - 1] = np.inf
-        gone = int(np.argmin(ratio)) + 1
+        ratio[places[1:-1] == likeliest] = np.inf
+        gone = int(places[np.argmin(ratio) + 1])
         kept = np.delete(np.arange(len(self.onsets)), gone)
         for table in (self._pulled, self._score, self._information):
             table[: len(kept)] = table[kept]
-        self.onsets = self.onsets[kept]
+        self.onsets, self.rise = self.onsets[kept], self.rise[kept]
+        return likeliest - 1 if likeliest is not None and likeliest > gone else likeliest
 
     def take(
         self, row: NDArray[np.float64], loss: NDArray[np.float64], value: float, variance: float
@@ -79,14 +91,14 @@ class SoundCar:
         """One measurement: row h (16,), loss g (4,), value, variance R. Returns innovation and its explained
         variance h P h'."""
         return absorb(
-            self.mean, self.covariance, self._pulled, self._score, self._information, len(self.onsets),
+            self.mean, self.covariance, self._pulled, self._score, self._information, self._share,
             row, loss, value, variance,
         )  # fmt: skip
 
 
 @compiled
-def absorb(mean, covariance, pulled, score, information, onsets, row, loss, value, variance):
-    """See `SoundCar.take`; all arrays but row and loss are written."""
+def absorb(mean, covariance, pulled, score, information, share, row, loss, value, variance):
+    """See `SoundCar.take`; all arrays but share, row and loss are written."""
     n = mean.size
     gain = np.zeros(n)
     innovation, explained = value, 0.0
@@ -99,9 +111,9 @@ def absorb(mean, covariance, pulled, score, information, onsets, row, loss, valu
     total = explained + variance
     total = explained + variance * max(1.0, abs(innovation) / (HUBER * np.sqrt(total)))
     phi = np.empty(4)
-    for c in range(onsets):
+    for c in range(share.size):
         for w in range(4):
-            phi[w] = loss[w]
+            phi[w] = loss[w] * share[c]
             for i in range(n):
                 phi[w] -= row[i] * pulled[c, i, w]
         for w in range(4):

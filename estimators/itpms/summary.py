@@ -5,7 +5,8 @@ With q = 1 / (1 + exp(threshold - statistic)), the probability of some loss if i
     low probability   q P(wheel low | some loss)
     change            q E[d | some loss]           ln pressure
     std               of that mixture, and of what a loss since before the drive could still be,
-                      V = (C_0 + I/PRIOR^2)^-1, C_0 the information of the first onset; and UNREAD per sqrt(s) while nothing is read, to PRIOR
+                      V = (C_0 + I/PRIOR^2)^-1, C_0 the information of the first onset;
+                      and UNREAD per sqrt(s) while nothing is read; at most PRIOR
 """
 
 from __future__ import annotations

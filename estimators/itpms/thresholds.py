@@ -18,7 +18,7 @@ from estimators.detectors import EmpiricalThreshold, Integrator, empirical_thres
 from estimators.itpms.voting import Thresholds
 
 FALSE_ALARMS_PER_HOUR = 0.01
-SPAN = 20.0  # s
+SPAN = 10.0  # s
 
 
 @dataclass(frozen=True)

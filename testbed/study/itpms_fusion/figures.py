@@ -17,7 +17,7 @@ from testbed.study.itpms_fusion.repetition import METHODS
 COLOURS = {"fused": "black", "vibration": "tab:blue", "radius": "tab:orange", "voting": "tab:green"}
 
 
-def figures(rows: Sequence[Mapping[str, Any]]) -> dict[str, Figure]:
+def figures(rows: Sequence[dict[str, Any]]) -> dict[str, Figure]:
     """By file name."""
     return {
         "detection-times": _detection_times(rows),
@@ -27,7 +27,7 @@ def figures(rows: Sequence[Mapping[str, Any]]) -> dict[str, Figure]:
     }
 
 
-def _detection_times(rows: Sequence[Mapping[str, Any]]) -> Figure:
+def _detection_times(rows: Sequence[dict[str, Any]]) -> Figure:
     figure = Figure(figsize=(10, 6), layout="constrained")
     for tyres, axes in enumerate(figure.subplots(2, 2, sharex=True, sharey=True).flat, 1):
         drives = driven(rows, [name_of(0.15, tyres, kind) for kind in ("sudden", "leak")])
@@ -36,8 +36,9 @@ def _detection_times(rows: Sequence[Mapping[str, Any]]) -> Figure:
             if events is None or (method == "radius" and tyres == 4):
                 continue
             curve = event_curve(events)
-            axes.step([0.0, *curve.time, curve.end], [0.0, *curve.share.value, *(curve.share.value[-1:] if len(curve.time) else [0.0])],
-                      where="post", color=COLOURS[method], label=method)  # fmt: skip
+            share = [0.0, *curve.share.value]
+            axes.step([0.0, *curve.time, curve.end], [*share, share[-1]], "-", where="post", color=COLOURS[method])
+            axes.lines[-1].set_label(method)
         axes.axvline(60.0, color="grey", linestyle=":", label="paper")
         axes.set(title=f"15 % lost in {tyres} tyre{'s' if tyres > 1 else ''}", xlim=(0.0, 180.0), ylim=(0.0, 1.02))
         axes.set(xlabel="time since the loss [s]", ylabel="share of drives with an alarm")
@@ -45,7 +46,7 @@ def _detection_times(rows: Sequence[Mapping[str, Any]]) -> Figure:
     return figure
 
 
-def _tails(rows: Sequence[Mapping[str, Any]]) -> Figure:
+def _tails(rows: Sequence[dict[str, Any]]) -> Figure:
     """Rate at which the largest statistic of a span passes a threshold, on sound driving."""
     figure = Figure(figsize=(7, 4.5), layout="constrained")
     axes = figure.subplots()
@@ -62,13 +63,13 @@ def _tails(rows: Sequence[Mapping[str, Any]]) -> Figure:
     return figure
 
 
-def _example(rows: Sequence[Mapping[str, Any]]) -> Mapping[str, Any] | None:
+def _example(rows: Sequence[dict[str, Any]]) -> Mapping[str, Any] | None:
     """A drive with a loss of a quarter, of 30 % in the paper."""
     drives = [d for name in ("25x1_sudden", "15x1_sudden") for d in driven(rows, [name]) if d["statistics"]]
     return drives[0] if drives else None
 
 
-def _figure_8(rows: Sequence[Mapping[str, Any]]) -> Figure:
+def _figure_8(rows: Sequence[dict[str, Any]]) -> Figure:
     """The voting scheme at work: both confidences and their thresholds."""
     figure = Figure(figsize=(8, 4), layout="constrained")
     axes, drive = figure.subplots(), _example(rows)
@@ -85,7 +86,7 @@ def _figure_8(rows: Sequence[Mapping[str, Any]]) -> Figure:
     return figure
 
 
-def _figure_9(rows: Sequence[Mapping[str, Any]]) -> Figure:
+def _figure_9(rows: Sequence[dict[str, Any]]) -> Figure:
     """Warning signals, 0 or 1."""
     figure = Figure(figsize=(8, 5), layout="constrained")
     drive = _example(rows)

@@ -130,15 +130,15 @@ def _detection(rows: Sequence[Row], method: str) -> Iterator[StudyRow]:
             what = f"{start}detect_{100 * share:.0f}pct_{tyres}_tyre{'s' if tyres > 1 else ''}_p95_s"
             paper = PAPER_TIME if share == 0.25 and method in ("vibration", "radius") else None
             yield StudyRow.of(what, "s", _quantile(times(drives, method)), paper, _bound(drives))
-    for share in (0.15, None):
-        drives = driven(rows, [name_of(s, n, k) for s, n, k in LOSSES if share in (s, None)])
+    for one in (0.15, None):
+        drives = driven(rows, [name_of(s, n, k) for s, n, k in LOSSES if one in (s, None)])
         drives = [d for d in drives if not (method == "radius" and len(d["wheels"]) == 4)]
         found = [(first_alarm(d, method), d["wheels"]) for d in drives]
         if any(alarm for alarm, _ in found):
             rate = isolation_rate([alarm[1] if alarm else None for alarm, _ in found], [w for _, w in found])
-            yield StudyRow.of(f"{start}isolation_rate{'_15pct' if share else ''}", "-", rate, limit=1.0)
+            yield StudyRow.of(f"{start}isolation_rate{'_15pct' if one else ''}", "-", rate, limit=1.0)
         seen = sum(alarm is not None for alarm, _ in found)
-        if found and share is None:
+        if found and one is None:
             yield StudyRow.of(f"{start}share_detected", "-", proportion_interval(seen, len(found)))
 
 
