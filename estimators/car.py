@@ -13,7 +13,7 @@ from typing import Any
 
 GRAVITY = 9.81  # m/s^2
 AIR_DENSITY = 1.2  # kg/m^3
-AXLES = ("front", "rear")
+DRIVEN = ("front", "rear", "all")
 _MAY_BE_ZERO = ("drag_area", "front_wheel_inertia", "rear_wheel_inertia", "radius_sensitivity_relative_std")
 
 
@@ -40,8 +40,8 @@ class Car:
     radius_sensitivity_relative_std: float = 0.4  # real cars spread by that much
 
     def __post_init__(self) -> None:
-        if self.driven_axle not in AXLES:
-            raise ValueError(f"car driven_axle is {self.driven_axle!r}, valid: {', '.join(AXLES)}")
+        if self.driven_axle not in DRIVEN:
+            raise ValueError(f"car driven_axle is {self.driven_axle!r}, valid: {', '.join(DRIVEN)}")
         for field in fields(self):
             if field.name == "driven_axle":
                 continue

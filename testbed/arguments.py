@@ -192,7 +192,7 @@ def drive_parser() -> Parser:
         default=[],
         help="cleat@50:height=20,length=30,side=left (m, then mm) or pothole@80:depth=60,length=400,side=right",
     )
-    add("--driven", default=defaults.driven, help=f"driven axle: {' or '.join(DRIVEN)} (default %(default)s)")
+    add("--driven", default=defaults.driven, help=f"driven axle: {', '.join(DRIVEN)} (default %(default)s)")
     add("--ambient", default="20", help="air temperature in Celsius, -40 to 60 (default %(default)s)")
     add("--seed", default="0", help="of road and sensors (default %(default)s)")
     add("--car-seed", help="of what differs from one sensor to the next of its kind (default: as --seed)")

@@ -17,7 +17,7 @@ from testbed.tyre.inflation import Leak, PressureSet
 
 FASTEST = 200.0 / 3.6  # m/s
 LONGEST = 24.0 * 3600.0  # s
-DRIVEN = ("front", "rear")
+DRIVEN = ("front", "rear", "all")
 
 # field, lowest, highest, unit: each must be a finite number within
 RANGES = (

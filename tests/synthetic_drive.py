@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from estimators.car import AIR_DENSITY, Car
 from estimators.drive_log import WHEELS, DriveLog, Signal
-from estimators.wheel_radius.motion import axle_loads
+from estimators.wheel_radius.traction import axle_loads
 
 RATE = 100.0  # Hz
 

@@ -49,7 +49,7 @@ REFUSED = [
     (["--tyre", "stone"], ["stone", "suv-235-60r18"]),
     (["--tyre", "nowhere.tir"], ["nowhere.tir"]),
     (["--tyre", "nowhere.toml"], ["nowhere.toml"]),
-    (["--driven", "left"], ["'left'", "front, rear"]),
+    (["--driven", "left"], ["'left'", "front, rear, all"]),
     (["--duration", "0"], ["duration 0", "0.01 to 86400"]),
     (["--duration", "-3"], ["duration -3", "0.01 to 86400"]),
     (["--duration", "nan"], ["'nan'"]),

@@ -108,7 +108,7 @@ class WheelRadius(Estimator):
     def _estimates(self, time: float, alarms: list[Alarm]) -> dict[str, tuple[float, float, str]]:
         """Name -> (value, std, unit) at `time` [s]; appends a due alarm."""
         now, reference = self._methods.residuals(), self._calibration
-        change, covariance = now.value - reference.level, now.covariance + reference.covariance()
+        change, covariance = reference.change(now)
         said: dict[str, tuple[float, float, str]] = {}
         for i, name in enumerate(NAMES):
             if now.seconds[i] > 0.0:
