@@ -19,7 +19,6 @@ import numpy as np
 from estimators.car import Car
 from estimators.drive_log import Signal
 from estimators.estimator import Estimate, Estimator, Flag, Outputs
-from estimators.grid import REPEAT
 from estimators.vibration.vibration import READS, Vibration
 from estimators.vibration.wheel_vibration import Reading
 
@@ -34,7 +33,7 @@ class VibrationEstimator(Estimator):
     def __init__(self, car: Car) -> None:
         super().__init__(car)
         self._vibration = Vibration(car)
-        self._raised: dict[str, float] = {}
+        self._heard: dict[str, bool] = {}
 
     def use_calibration(self, document: Mapping[str, Any]) -> None:
         """Start from tooth rings learnt before."""
@@ -63,13 +62,16 @@ class VibrationEstimator(Estimator):
         return Outputs(estimates, (), tuple(sorted([*heard.flags, *self._unheard(running)])))
 
     def _unheard(self, running: list[Reading]) -> list[Flag]:
-        """Frequencies that are hardly better known than before the drive."""
-        flags = []
+        """Wheels of which no mode is any longer, or not yet, much better known than before the drive."""
+        best: dict[tuple[str, float], float] = {}
         for r in running:
-            text = f"{r.wheel}: {r.mode.name} frequency not heard"
-            if r.ln_std > UNKNOWN * r.mode.frequency_std and r.time - self._raised.get(text, -math.inf) >= REPEAT:
-                self._raised[text] = r.time
-                flags.append(Flag(r.time, text))
+            key = (r.wheel, r.time)
+            best[key] = min(best.get(key, math.inf), r.ln_std / r.mode.frequency_std)
+        flags = []
+        for (wheel, time), share in best.items():
+            if share > UNKNOWN and self._heard.get(wheel, True):
+                flags.append(Flag(time, f"{wheel}: no mode is heard"))
+            self._heard[wheel] = share <= UNKNOWN
         return flags
 
 

@@ -22,6 +22,7 @@ SEGMENT = round(RATE)  # samples: 1 s
 HOP = SEGMENT // 2
 EFFICIENCY = 0.475
 LINES = np.arange(171.0)  # Hz
+MOST_EVEN = 2.0
 STEADY = 0.15  # largest relative change of speed within a segment
 WINDOW = 0.5 - 0.5 * np.cos(2.0 * np.pi * np.arange(SEGMENT) / SEGMENT)
 _NORM = 2.0 / (RATE * np.sum(WINDOW**2))
@@ -61,7 +62,9 @@ def segment(speed: NDArray[np.float64], knots: float, orders: int) -> Segment | 
 
 class Spectrum:
     """Sums over segments, which may fade. count: of segments by line; timing: sum of what white timing noise of 1 s^2
-    per edge puts into f^2 (rad/s)^2/Hz."""
+    per edge puts into f^2 (rad/s)^2/Hz. What faded evenly over a long time holds up to MOST_EVEN times as many
+    independent segments as its weights come to, which is (sum of weights)^2 / sum of squares; that they may not grow
+    further lets a spectrum that only fades lose its worth."""
 
     def __init__(self) -> None:
         self.clear()
@@ -69,21 +72,28 @@ class Spectrum:
     def clear(self) -> None:
         """Forget everything."""
         self.power, self.count = np.zeros(len(LINES)), np.zeros(len(LINES))
-        self.segments, self.omega, self.timing = 0.0, 0.0, 0.0
+        self.segments, self.squares, self.omega, self.timing = 0.0, 0.0, 0.0, 0.0
 
     def add(self, one: Segment) -> None:
         """Count a segment in."""
         self.power += np.where(one.used, one.power, 0.0)
         self.count += one.used
         self.segments += 1.0
+        self.squares += 1.0
         self.omega += one.omega
         self.timing += timing_noise(one)
+
+    @property
+    def worth(self) -> float:
+        """Independent segments per weight."""
+        return min(self.segments / self.squares, MOST_EVEN) if self.squares > 0.0 else 1.0
 
     def fade(self, factor: float) -> None:
         """Let what was counted weigh less."""
         self.power *= factor
         self.count *= factor
         self.segments *= factor
+        self.squares *= factor**2
         self.omega *= factor
         self.timing *= factor
 

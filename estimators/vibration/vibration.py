@@ -34,6 +34,7 @@ from estimators.wheel_speed.edge_speed import EdgeSpeed
 EDGES = {wheel: f"wheel/{wheel}/edges" for wheel in WHEELS}
 SPEEDS = {wheel: f"wheel/{wheel}/speed" for wheel in WHEELS}
 READS = (*EDGES.values(), *SPEEDS.values())
+TURNING = 1.0  # rad/s: a wheel of which edges should be heard
 LONGEST_SILENCE = 3600.0  # s without any sample, over which the clock jumps
 
 
@@ -73,7 +74,7 @@ class _Wheel:
         samples, _ = self.bus.advance(end)
         carried = {mode.name for mode in self._modes if self.bus.carries(mode.highest_needed)}
         for mode in self._modes:
-            if mode.name not in carried and math.isfinite(self.bus.rate):
+            if mode.name not in carried and len(speeds) and float(np.median(np.abs(speeds))) > TURNING:
                 text = f"{mode.name} frequency is not observable at {self.bus.rate:.3g} Hz"
                 complaints.append((end, f"{self.speed.name}: {text}"))
         readings = self.analysis.advance(samples, end, math.inf)

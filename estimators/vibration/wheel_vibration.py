@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from estimators.vibration.mode_frequency import Fitted, ModeFrequency
 from estimators.vibration.modes import MODES, Mode
-from estimators.vibration.spectrum import HOP, LINES, SEGMENT, Segment, Spectrum, segment, timing_noise
+from estimators.vibration.spectrum import HOP, SEGMENT, Segment, Spectrum, segment
 from estimators.wheel_speed.edge_speed import Samples
 from estimators.wheel_speed.resampling import RATE
 
@@ -27,9 +27,6 @@ LEAST_SEGMENTS = 6  # of a block that is closed early
 OLDEST_BLOCK = 30.0  # s
 TYRE_ORDERS = 2  # never read: mass and stiffness of tyre and rim vary round the wheel
 LEARNT_TIME = 10.0  # s of turning over which the ring was learnt: what was mistaken for it is then a tenth of a line
-TIMER_STD = 1e-6 / math.sqrt(12.0)  # s: rounding to 1 us, before it is measured
-NOISE_BAND = (LINES >= 135.0) & (LINES <= 165.0)
-NOISE_SEGMENTS = 120.0  # of its running mean
 
 
 @dataclass(frozen=True)
@@ -38,7 +35,7 @@ class Reading:
 
     time: until when [s]; seconds: of record that it rests on; frequency: natural frequency [Hz]; ln_std: of its ln;
     information: of ln frequency, from the spectrum alone; speed: mean wheel speed [rad/s], nan without; excitation:
-    PSD of the mode over that of the noise at its peak, 0 without.
+    PSD of the mode over that of the noise at its peak, 0 without; parameters: of `spectral_fit`, () without.
     """
 
     wheel: str
@@ -52,6 +49,7 @@ class Reading:
     damping: float
     speed: float
     excitation: float
+    parameters: tuple[float, ...] = ()
 
 
 class _Listener:
@@ -75,11 +73,11 @@ class _Listener:
         block = self.block
         return block.segments > 0.0 and abs(math.log(one.omega * block.segments / block.omega)) > self.mode.speed_span
 
-    def reading(self, kind: str, spectrum: Spectrum, time: float, edge: tuple[float, float]) -> Reading:
+    def reading(self, kind: str, spectrum: Spectrum, time: float) -> Reading:
         """Of a spectrum; the prior if it holds too little."""
         found: Fitted | None = None
         if spectrum.segments >= (1.0 if kind == "running" else LEAST_SEGMENTS):
-            found = self.fit.fitted(spectrum, *edge, self.start)
+            found = self.fit.fitted(spectrum, self.start)
         if found is None:
             m = self.mode
             return Reading(
@@ -90,7 +88,7 @@ class _Listener:
         speed, seconds = spectrum.omega / spectrum.segments, spectrum.segments * HOP / RATE
         return Reading(
             self.wheel, self.mode, kind, time, seconds, found.frequency, found.ln_std, found.information,
-            found.damping, speed, found.excitation,
+            found.damping, speed, found.excitation, tuple(found.parameters.tolist()),
         )  # fmt: skip
 
 
@@ -101,14 +99,6 @@ class WheelVibration:
         self._radius = radius
         self._listeners = [_Listener(wheel, mode) for mode in modes]
         self._speed, self._first = np.empty(0), 0
-        self._noise, self._heard = np.zeros(int(NOISE_BAND.sum())), np.zeros(int(NOISE_BAND.sum()))
-
-    def edge_noise(self) -> tuple[float, float]:
-        """Std of the edge times [s] from what is heard above every mode, and std of its variance's ln."""
-        known = self._heard > 20.0
-        if known.sum() < 10:
-            return TIMER_STD, 1.0
-        return math.sqrt(max(float(np.median(self._noise[known])), 1e-20)), 0.3
 
     def forget(self) -> None:
         """After a silence of unknown length: what was heard before says nothing."""
@@ -124,7 +114,6 @@ class WheelVibration:
         for listener in self._listeners:
             listener.memory.fade(math.exp(-1.0 / MEMORY))
         readings: list[Reading] = []
-        edge = self.edge_noise()
         at = -self._first % HOP
         while at + SEGMENT <= len(self._speed):
             self._take(
@@ -132,15 +121,14 @@ class WheelVibration:
                 (self._first + at + SEGMENT) / RATE,
                 samples.knots,
                 learnt,
-                edge,
                 readings,
             )
             at += HOP
         self._speed, self._first = self._speed[at:], self._first + at
         for listener in self._listeners:
             if listener.block.segments and time - listener.begun > OLDEST_BLOCK:
-                self._close(listener, time, edge, readings)
-            readings.append(listener.reading("running", listener.memory, time, edge))
+                self._close(listener, time, readings)
+            readings.append(listener.reading("running", listener.memory, time))
         return readings
 
     def _take(
@@ -149,7 +137,6 @@ class WheelVibration:
         time: float,
         knots: float,
         learnt: float,
-        edge: tuple[float, float],
         readings: list[Reading],
     ) -> None:
         mean = float(np.mean(speed))
@@ -163,27 +150,19 @@ class WheelVibration:
         one = segment(speed, knots, TYRE_ORDERS if ring else round(abs(knots) / 2.0))
         if one is None:
             return
-        self._hear_noise(one)
         for listener in listening:
             if listener.leaves(one):
-                self._close(listener, time, edge, readings)
+                self._close(listener, time, readings)
             if listener.block.segments == 0.0:
                 listener.begun = time - SEGMENT / RATE
             listener.add(one)
             listener.block.add(one)
             if listener.block.segments >= BLOCK_SEGMENTS:
-                self._close(listener, time, edge, readings)
+                self._close(listener, time, readings)
 
-    def _close(self, listener: _Listener, time: float, edge: tuple[float, float], readings: list[Reading]) -> None:
+    def _close(self, listener: _Listener, time: float, readings: list[Reading]) -> None:
         if listener.block.segments >= LEAST_SEGMENTS:
-            reading = listener.reading("block", listener.block, time, edge)
+            reading = listener.reading("block", listener.block, time)
             if reading.information > 0.0:
                 readings.append(reading)
         listener.block.clear()
-
-    def _hear_noise(self, one: Segment) -> None:
-        seen = one.used[NOISE_BAND]
-        value = one.power[NOISE_BAND] / (timing_noise(one) * LINES[NOISE_BAND] ** 2)
-        self._heard += np.where(seen, 1.0, 0.0)
-        gain = 1.0 / np.clip(self._heard, 1.0, NOISE_SEGMENTS)
-        self._noise += np.where(seen, gain * (value - self._noise), 0.0)

@@ -12,7 +12,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from estimators.wheel_speed.edge_speed import Samples
+from estimators.wheel_speed.edge_speed import WAIT, Samples
 from estimators.wheel_speed.resampling import INTEGRAL, RATE, REACH, USABLE, resample
 
 LONGEST = 3.0  # usual intervals between updates that belong together
@@ -43,7 +43,7 @@ class BusSpeed:
         self._time = np.concatenate([self._time, self._waiting_time[:split]])
         self._speed = np.concatenate([self._speed, self._waiting_speed[:split]])
         self._waiting_time, self._waiting_speed = self._waiting_time[split:], self._waiting_speed[split:]
-        last = math.floor((end - REACH) * RATE + 1e-6)
+        last = math.floor((end - REACH - WAIT) * RATE + 1e-6)
         first = self._next if self._next is not None else math.ceil((end - 1.0) * RATE)
         self._next = max(last, first)
         out = np.full(self._next - first, np.nan)

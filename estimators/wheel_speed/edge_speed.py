@@ -21,6 +21,7 @@ from estimators.wheel_speed.ring import Ring
 from estimators.wheel_speed.tooth_count import DOUBLE, LAST, MISFITTING, MISSING, RESTARTS, count_teeth, fresh_state
 
 TEETH = 48
+WAIT = 0.1  # s for the edge that ends a sample's filter: one every 0.1 s is 1.7 km/h
 COMPLAINTS = (
     (DOUBLE, "double edges dropped"),
     (MISFITTING, "edges that fit no tooth dropped"),
@@ -73,7 +74,7 @@ class EdgeSpeed:
         return samples, complaints + ["another tooth ring than before"] * (self.ring.changes - changes)
 
     def _samples(self, end: float) -> Samples:
-        last = math.floor((end - REACH) * RATE + 1e-6)  # first one that is not yet decided
+        last = math.floor((end - REACH - WAIT) * RATE + 1e-6)  # first one that is not yet decided
         first = self._next if self._next is not None else math.ceil((end - 1.0) * RATE)
         self._next = max(last, first)
         speed = np.empty(self._next - first)
