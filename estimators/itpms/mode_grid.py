@@ -9,7 +9,7 @@ modes), n the timer's noise over the mode's peak; fc the band's middle. Every co
 gain g is maximised in closed form (g = mean of P/S), the rest is summed over with equal weights, so that what is not
 known of the road widens the result and does not bias it. With the periodogram P of a Hann-windowed block,
 
-    ln L = -w sum(ln S + P / (g S)),   w = 2/3 of the bins are independent
+    ln L = -w sum(ln S + P / (g S)),   w = INDEPENDENT of the bins
 
 Result: mean and std of ln f0 as a likelihood, that is with the grid's own spread taken out (1/v = 1/v_post - 1/v_grid).
 A block that hardly narrows the grid says nothing: NaN. Sources: Whittle 1953; the two-mode model of a wheel on its
@@ -28,7 +28,7 @@ from estimators.wheel_speed.resampling import RATE
 
 BLOCK = 2.0  # s
 SIZE = round(RATE * BLOCK)
-INDEPENDENT = 2.0 / 3.0  # share of the bins of a Hann window
+INDEPENDENT = 0.51  # share of the bins of a Hann window: powers of neighbours correlate by 4/9 and 1/36
 INFORMED = 0.6  # of the grid's variance: a posterior wider than that says nothing
 LEAST_BINS = 0.5  # of the band
 

@@ -85,6 +85,14 @@ class Block:
         return LearningBlock(self.speed, value, variance, r.yaw_gain, r.traction, r.curvature)
 
 
+def judge_nothing() -> Judgement:
+    """What is known before anything is; compiles what a calibrated drive needs."""
+    car = SoundCar(np.eye(STATES))
+    car.begin(0, BLOCK, np.zeros((STATES, STATES)), None)
+    car.take(np.zeros(STATES), np.zeros(4), 0.0, 1.0)
+    return judge(car.score, car.information)
+
+
 def _block_diagonal(common: float, each: float) -> NDArray[np.float64]:
     return common**2 * np.ones((4, 4)) + each**2 * np.eye(4)
 

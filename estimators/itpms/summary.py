@@ -30,4 +30,4 @@ def summary(judgement: Judgement | None, threshold: float, unread: float) -> tup
     change = some * judgement.change
     mixture = some * (judgement.std**2 + judgement.change**2) - change**2
     std = np.sqrt(np.maximum(mixture, 0.0) + judgement.unknown + UNREAD**2 * unread)
-    return change, np.minimum(std, PRIOR), some * judgement.low
+    return change, np.minimum(std, PRIOR), np.clip(some * judgement.low, 0.0, 1.0)
