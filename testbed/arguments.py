@@ -183,8 +183,8 @@ def drive_parser() -> Parser:
         "--wind",
         default="0",
         metavar="KMH@DEG/PERCENT",
-        help="such as 30@90/25: mean speed in km/h, 0 to 140; where it comes from in degrees, 0 (default) against a car that drives "
-        "along x, 90 from its left; gusts in per cent of the mean, 0 to 100 (default 15)",
+        help="such as 30@90/25: mean speed in km/h, 0 to 140; where it comes from in degrees, 0 (default) against a "
+        "car that drives along x, 90 from its left; gusts in per cent of the mean, 0 to 100 (default 15)",
     )
     add(
         "--obstacle",

@@ -16,9 +16,9 @@ innovation by phi d,
     phi = g s - h M,     M <- M + K phi          M: what the loss has pulled the state along so far, shape (16, 4)
 
 so each onset carries M and the sums B = sum phi nu / S, C = sum phi phi' / S, from which the likelihood ratio of any
-loss d is B d - d C d / 2 [Willsky & Jones, IEEE Trans. Autom. Control 21 (1976) 108]. Two kinds of onset begin with each
-block: a sudden loss (s = 1 at once) and a leak (s rises over LEAK seconds). They are kept at ages that grow by a ratio:
-the newest ones all; the first (a loss before the drive) and the likeliest for good.
+loss d is B d - d C d / 2 [Willsky & Jones, IEEE Trans. Autom. Control 21 (1976) 108]. Two kinds of onset begin with
+each block: a sudden loss (s = 1 at once) and a leak (s rises over LEAK seconds). They are kept at ages that grow by a
+ratio: the newest ones all; the first (a loss before the drive) and the likeliest for good.
 """
 
 from __future__ import annotations

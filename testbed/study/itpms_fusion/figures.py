@@ -51,7 +51,7 @@ def _tails(rows: Sequence[dict[str, Any]]) -> Figure:
     figure = Figure(figsize=(7, 4.5), layout="constrained")
     axes = figure.subplots()
     for method in METHODS[:3]:
-        largest = [d["largest"][method] for row in rows for d in row.values() if isinstance(d, dict)]
+        largest = [d["largest"][method] for row in rows for d in row.values()]
         every = np.sort(np.concatenate([np.empty(0), *(np.asarray(x, float) for x in largest)]))
         if not len(every):
             continue

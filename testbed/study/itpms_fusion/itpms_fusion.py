@@ -16,6 +16,7 @@ share that alarmed in time. What was drawn is in `cars`, what was driven in `dri
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -55,14 +56,15 @@ class ItpmsFusionStudy(Study):
 
     def table(self, rows: Sequence[Row]) -> list[StudyRow]:
         found: list[StudyRow] = []
+        repetitions = [json.loads(row["drives"]) for row in rows]
         for method in METHODS:
-            found += [*_detection(rows, method), *_sound(rows, method)]
-        return [*found, *_named(rows)]
+            found += [*_detection(repetitions, method), *_sound(repetitions, method)]
+        return [*found, *_named(repetitions)]
 
     def figures(self, rows: Sequence[Row]) -> Mapping[str, Figure]:
         from testbed.study.itpms_fusion.figures import figures  # matplotlib, only where something is drawn
 
-        return figures(rows)
+        return figures([json.loads(row["drives"]) for row in rows])
 
 
 def prefix(method: str) -> str:
@@ -144,7 +146,7 @@ def _detection(rows: Sequence[Row], method: str) -> Iterator[StudyRow]:
 
 def _sound(rows: Sequence[Row], method: str) -> Iterator[StudyRow]:
     start = prefix(method)
-    drives = [d for row in rows for d in row.values() if isinstance(d, dict) and d["sound_s"] > 0.0]
+    drives = [d for row in rows for d in row.values() if d["sound_s"] > 0.0]
     if not drives:
         return
     before = [[t for t, _ in d["alarms"][method] if t < d["sound_s"]] for d in drives]

@@ -1,13 +1,14 @@
-"""One repetition: its drives driven with the estimator in the car, and what it said, as JSON values.
+"""One repetition: its drives driven with the estimator in the car, and what it said, as JSON text in `drives`.
 
-For each drive `name`: `wheels`, `onset_s`, `reached_s` (when the share is lost), `end_s`, `driven_s` before the onset,
-`alarms`: {method: [[time_s, wheels by commas], ...]} for the fused estimator, vibration and radius alone and the voting
+For each drive by name: `wheels`, `onset_s`, `reached_s` (when the share is lost), `end_s`, `driven_s` before the onset,
+`alarms`: {method: [[time_s, [wheel, ...]], ...]} for the fused estimator, vibration and radius alone and the voting
 scheme; `largest`: {method: [largest statistic of each SPAN before the onset]}; `bound_s`: from the loss to what the
 vibration's Cramer-Rao bound allows (`bound`). A drive ends early once every method that can see the loss has alarmed.
 """
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping
 from typing import Any
 
@@ -43,15 +44,15 @@ def _believed(seed: int, number: int) -> dict[str, Any]:
 def repeat(task: dict[str, Any]) -> dict[str, Any]:
     """The row of a repetition."""
     learnt: dict[str, Any] = {}
-    row: dict[str, Any] = {}
+    found: dict[str, Any] = {}
     for values in task["drives"]:
         drive = Drive.from_json(values)
         if not drive.name.endswith("calibration"):
             if learnt.get(drive.calibration) is not None:
-                row[drive.name] = _driven(drive, task["believed"], learnt[drive.calibration])
+                found[drive.name] = _driven(drive, task["believed"], learnt[drive.calibration])
             continue
         learnt[drive.name] = _learn(drive, task["believed"])
-    return row
+    return {"drives": json.dumps(found)}
 
 
 def _session(drive: Drive, believed: Mapping[str, Any], learnt: Mapping[str, Any] | None) -> Session:
