@@ -9,7 +9,7 @@ Drawn for each car
 and for each day
     road        level log-uniform from the centre of class A to that of class D
     driving     town (up to 60 km/h), country or motorway, 40 to 130 km/h
-    radii       each tyre moved by up to DAY_DRIFT, two tyres against each other by up to 0.25 %
+    radii       each tyre moved by up to DAY_DRIFT either way, so two against each other by up to 0.25 %
     ambient     within DAY_WARMTH of the day on which the tyres were filled; the pressure follows (ideal gas)
     payload     0 to 400 kg anywhere behind the front seats; grade, bank, wind with gusts
 """

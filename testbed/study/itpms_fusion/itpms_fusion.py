@@ -102,8 +102,10 @@ def _quantile(events: EventTimes | None) -> Interval | None:
     return None if events is None else event_curve(events).quantile(0.95)
 
 
-def _bound(drives: Sequence[Mapping[str, Any]]) -> float | None:
-    """95 % quantile of the vibration bound; None where it is not reached."""
+def _limit(drives: Sequence[Mapping[str, Any]], method: str) -> float | None:
+    """95 % quantile of the vibration bound; None where it is not reached, and for the radius, which has none."""
+    if method == "radius":
+        return None
     known = [d["bound_s"] for d in drives]
     events = EventTimes(
         [max(d["end_s"] - d["reached_s"], 0.0) if b is None else b for d, b in zip(drives, known, strict=True)],
@@ -124,14 +126,14 @@ def _detection(rows: Sequence[Row], method: str) -> Iterator[StudyRow]:
             if drives and (not ending or method == "fused"):
                 yield StudyRow.of(
                     f"{start}detect_15pct_{tyres}_tyres{ending}_p95_s", "s", _quantile(times(drives, method)),
-                    PAPER_TIME if method in ("fused", "voting") else None, _bound(drives),
+                    PAPER_TIME if method in ("fused", "voting") else None, _limit(drives, method),
                 )  # fmt: skip
     for share, tyres, kind in LOSSES:
         drives = driven(rows, [name_of(share, tyres, kind)])
         if share != 0.15 and drives:
             what = f"{start}detect_{100 * share:.0f}pct_{tyres}_tyre{'s' if tyres > 1 else ''}_p95_s"
             paper = PAPER_TIME if share == 0.25 and method in ("vibration", "radius") else None
-            yield StudyRow.of(what, "s", _quantile(times(drives, method)), paper, _bound(drives))
+            yield StudyRow.of(what, "s", _quantile(times(drives, method)), paper, _limit(drives, method))
     for one in (0.15, None):
         drives = driven(rows, [name_of(s, n, k) for s, n, k in LOSSES if one in (s, None)])
         drives = [d for d in drives if not (method == "radius" and len(d["wheels"]) == 4)]
@@ -183,4 +185,4 @@ def _named(rows: Sequence[Row]) -> Iterator[StudyRow]:
             yield StudyRow.of(f"{prefix(method)}{name}_pass", "-", proportion_interval(in_time, len(drives)), limit=1.0)
             if method == "fused":
                 yield StudyRow.of(f"{name}_right_tyres", "-", proportion_interval(passed, len(drives)), limit=1.0)
-                yield StudyRow.of(f"{name}_p95_s", "s", _quantile(times(drives, method)), limit=_bound(drives))
+                yield StudyRow.of(f"{name}_p95_s", "s", _quantile(times(drives, method)), limit=_limit(drives, method))
