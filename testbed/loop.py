@@ -36,7 +36,7 @@ from testbed.suspension import Suspension, strut_force
 from testbed.tyre import contact
 from testbed.tyre.contact import TyreElement, sidewall_stiffness, torsional_stiffness, wheel_forces
 from testbed.tyre.inflation import PRESSURE, TEMPERATURE, Inflation, inflate
-from testbed.wind import air_velocity
+from testbed.wind import air_force
 
 INFLATION_STRIDE = 10  # steps between two updates of the gas: it changes over seconds
 DIVERGED, ROLLED_OVER, LEFT_WINDOW, DONE = range(4)
@@ -214,16 +214,10 @@ def _chassis(views, ix, c, s, time, row):
     """Air drag, the wind's side force, and steering; returns the forward speed [m/s]."""
     vx, vy = views.qvel[0], views.qvel[1]
     cos_heading, sin_heading = views.xmat[ix.chassis, 0], views.xmat[ix.chassis, 3]
-    wind_x, wind_y = air_velocity(c.wind, time)
-    through_x, through_y = vx - wind_x, vy - wind_y
-    stream = math.hypot(through_x, through_y)
-    cross = c.side_area * stream * (wind_y * cos_heading - wind_x * sin_heading)
+    force_x, force_y, cross = air_force(c.wind, time, c.drag_area, c.side_area, vx, vy, cos_heading, sin_heading)
     for i in range(6):
         views.xfrc[ix.chassis, i] = 0.0
-    force_x = -c.drag_area * stream * through_x - cross * sin_heading
-    force_y = -c.drag_area * stream * through_y + cross * cos_heading
-    views.xfrc[ix.chassis, 0] = force_x
-    views.xfrc[ix.chassis, 1] = force_y
+    views.xfrc[ix.chassis, 0], views.xfrc[ix.chassis, 1] = force_x, force_y
     views.xfrc[ix.chassis, 5] = cross * c.pressure_point
     s.work[_AIR] -= (force_x * vx + force_y * vy) * c.step
     speed = vx * cos_heading + vy * sin_heading + views.qvel[2] * views.xmat[ix.chassis, 6]

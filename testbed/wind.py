@@ -58,3 +58,18 @@ def air_velocity(series, time):
         series[i, 0] + part * (series[i + 1, 0] - series[i, 0]),
         series[i, 1] + part * (series[i + 1, 1] - series[i, 1]),
     )
+
+
+@inlined
+def air_force(series, time, drag_area, side_area, vx, vy, cos_heading, sin_heading):
+    """Force of the air in the world, x and y, and the part of it that the wind adds across the body, to the left [N].
+
+    Drag against the car's velocity through the air (vx, vy over ground [m/s]), half rho cd A = drag_area; across the
+    body the wind's own component w pushes with half rho (side-force slope - cd) A = side_area times stream times w.
+    """
+    wind_x, wind_y = air_velocity(series, time)
+    through_x, through_y = vx - wind_x, vy - wind_y
+    stream = math.hypot(through_x, through_y)
+    cross = side_area * stream * (wind_y * cos_heading - wind_x * sin_heading)
+    force_x = -drag_area * stream * through_x - cross * sin_heading
+    return force_x, -drag_area * stream * through_y + cross * cos_heading, cross

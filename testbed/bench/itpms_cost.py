@@ -1,8 +1,8 @@
 """What the indirect tyre-pressure monitoring costs: processor time of its estimators over the time driven.
 
 `itpms` (calibrated, so that all three of its monitors run), `vibration` and `wheel_radius` side by side in one `Bank`
-on one recorded stream of sensors, second by second as in a drive, in one thread's processor time; the fastest repetition
-counts. The stream is of class C at 80 km/h and is sensed before the clock starts.
+on one recorded stream of sensors, second by second as in a drive, in one thread's processor time; the fastest
+repetition counts. The stream is of class C at 80 km/h and is sensed before the clock starts.
 """
 
 from __future__ import annotations
