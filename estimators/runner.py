@@ -70,6 +70,9 @@ class Bank:
         """Members that can say nothing with only the signals `names`, and what each lacks."""
         present = set(names)
         lacks = {name: [s for s in member.requires if s not in present] for name, member in self._members.items()}
+        for name, member in self._members.items():
+            if not present.intersection(member.requires_any):
+                lacks[name] += member.requires_any
         return {name: signals for name, signals in lacks.items() if signals}
 
 
