@@ -33,7 +33,7 @@ def parser() -> Parser:
     add("--column-map", type=Path, metavar="FILE", help="what the columns of a .csv or .mf4 log mean")
     add("--car", type=Path, metavar="FILE", help="JSON: fields of estimators.car.Car, over those in the log")
     add("--calibration", type=Path, metavar="FILE", help="start from what an earlier --json file learnt")
-    add("--json", type=Path, metavar="FILE", help="write estimates (SI), alarms, flags and calibration")
+    add("--json", type=Path, metavar="FILE", help="write estimates (SI), radius ratios, alarms, flags, calibration")
     add("--list", action="store_true", help="list the estimators and what they read")
     return command
 

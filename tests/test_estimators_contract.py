@@ -255,7 +255,7 @@ def test_a_stretch_that_is_no_length_of_time_is_refused(stretch: float) -> None:
         ({"rear_track": float("nan")}, "rear_track is nan"),
         ({"rolling_radius": "big"}, "rolling_radius is 'big'"),
         ({"rolling_radius": True}, "rolling_radius is True"),
-        ({"driven_axle": "all"}, "driven_axle is 'all', valid: front, rear"),
+        ({"driven_axle": "left"}, "driven_axle is 'left', valid: front, rear, all"),
         ([1], r"notes\['car'\] is \[1\]"),
     ],
 )

@@ -22,6 +22,7 @@ from tests.synthetic_drive import QUIET, Noise, drive, last, varied_speed
 
 LOSS = -2.5e-3  # of radius: a quarter of the pressure on the default car
 SMALL = 3.6e-4  # a seventh of the loss; the static residual also allows for unlike slip of an axle's wheels
+FRONT_REAR_SMALL = 6.5e-4  # of front against rear: the load may have changed since the calibration
 UNEQUAL = np.array([-1e-3, 5e-4, 0.0, 3e-4])
 DRIVE_SLIP = np.array([1e-3, 1e-3, 0.0, 0.0])
 LEARN, BEFORE, AFTER = 130, 35, 65  # s
@@ -30,10 +31,10 @@ LEARN, BEFORE, AFTER = 130, 35, 65  # s
 TYRES = 3e-3 * np.array([1.0, -0.6, 0.3, -0.7])  # no two tyres are equal
 
 
-def assert_seen(said: dict[str, Signal], name: str, expected: float) -> None:
+def assert_seen(said: dict[str, Signal], name: str, expected: float, small: float = SMALL) -> None:
     """The last estimate is within three of its stds, and these are small against a loss."""
     value, std = last(said, name)
-    assert std < SMALL, f"{name} std {std:.1e}"
+    assert std < small, f"{name} std {std:.1e}"
     assert abs(value - expected) < 3.0 * std, f"{name} {value:.2e} std {std:.1e}, expected {expected:.2e}"
 
 
@@ -102,7 +103,7 @@ def test_equal_loss_on_an_axle_is_invisible_to_the_static_residual_and_seen_by_t
     said, _ = drive_with_loss(("fl", "fr"))
     assert_seen(said, "static_residual_change", 0.0)
     for delta in ("delta13_change", "delta24_change"):
-        assert_seen(said, delta, -LOSS)
+        assert_seen(said, delta, -LOSS, FRONT_REAR_SMALL)
 
 
 def test_equal_loss_on_a_side_is_invisible_to_the_static_residual_and_seen_by_the_lateral_filter() -> None:

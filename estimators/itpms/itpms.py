@@ -48,13 +48,15 @@ CELLS = round(BLOCK / CELL)
 LEARNING = 300  # blocks with something read
 LONGEST_SILENCE = 3600.0  # s without any sample, over which the clock jumps
 TEETH = "teeth"
+SPEEDS = tuple(f"wheel/{wheel}/speed" for wheel in WHEELS)
 Row = tuple[float, dict[str, tuple[float, float]]]
 
 
 class Itpms(Estimator):
     name = "itpms"
     reads = (*EDGES, *(channel.signal for channel in CHANNELS if channel.column in (None, 2)), "imu/accel")
-    requires = ()  # each wheel and each source speaks for itself
+    requires = ()  # each wheel and each source speaks for itself, and
+    requires_any = (*EDGES, *SPEEDS)
 
     def __init__(self, car: Car) -> None:
         super().__init__(car)
@@ -62,6 +64,7 @@ class Itpms(Estimator):
         self._contrasts, self._frequencies = Contrasts(car, CELLS), FrequencyBlocks(car)
         self._cells: list[tuple[int, float, NDArray[np.float64]]] = []
         self._second: int | None = None
+        self._heard = False
         self._raised: dict[str, float] = {}
         self._teeth: dict[str, Any] = {}
         self.relearn()
@@ -136,7 +139,9 @@ class Itpms(Estimator):
             named = rule.step(judgements.get(source))
             if named is not None and source == "fused":
                 alarms.append(Alarm(time, self._text(named), named.wheels))
-        rows.append((time, self._said(judgements)))
+        self._heard |= math.isfinite(block.speed) or bool(np.isfinite(block.radius.value).any())
+        if self._heard:
+            rows.append((time, self._said(judgements)))
 
     def _block(self, number: int) -> Block:
         while self._cells and self._cells[0][0] < CELLS * (number + 1):

@@ -1,7 +1,8 @@
 """A change of the road's grip: the slip of both sides jumps together while the car pulls.
 
 Figure 5 of Persson et al. 2002: the slope 1/k of the slip curve differs between asphalt, gravel and snow. A pressure
-loss moves one side, or both over minutes; a new surface moves both at once, in the direction of the traction. Statistic:
+loss moves one side, or both over minutes; a new surface moves both at once, in the direction of the traction.
+Statistic:
 two-sided CUSUM of the mean of both sides' innovations, signed as the traction and over their measured std, one sample a
 second; its threshold is exact for `FALSE_PER_HOUR`. An alarm is not told to anybody: it makes the filters forget 1/k,
 and a false one costs only confidence. Both tyres of an axle that burst together look the same until the torque changes.

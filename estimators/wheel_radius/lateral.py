@@ -6,12 +6,12 @@ delta34 = r3/r4 - 1 (rear), delta12 = r1/r2 - 1 (front), wheels fl fr rl rr = 1 
     R (w4 - w3) / t_r               = yaw + (R w3 / t_r) (delta34 - pull_r unlike34)
     R (w2 - w1) / (t_f cos d)       = yaw + (R w1 / (t_f cos d)) (delta12 - pull_f unlike12)
 The paper writes both wheel lines with the opposite yaw (SAE axes), without cos d and without slip: `unlike` is the 1/k
-of the left wheel less the right one's, since a tyre that has lost pressure also slips less under the same pull. Only the
-yaw acceleration is driven.
+of the left wheel less the right one's, since a tyre that has lost pressure also slips less under the same pull. Only
+the yaw acceleration is driven.
 
 At constant speed one rank short: an offset looks like both deltas. They part when the speed changes or while the car
-stands (yaw = 0: the gyro reads its offset). So the speed enters the information through an anchor, the pull too, and the
-covariance stays within the prior (`bounded_filter`). Without a gyro, lateral acceleration over speed stands in; its
+stands (yaw = 0: the gyro reads its offset). So the speed enters the information through an anchor, the pull too, and
+the covariance stays within the prior (`bounded_filter`). Without a gyro, lateral acceleration over speed stands in; its
 offset [m/s^2] is the third state then. Left out: load transfer (strong curves are not read), bank.
 """
 

@@ -3,11 +3,12 @@
 For every set of one, two or three wheels the common loss x of the set is fitted (generalised least squares); a set and
 its complement differ in the sign, and only x < 0, a loss, counts. The set with the least misfit wins, each further
 wheel costing `PER_WHEEL` of misfit. Sets of no more wheels whose misfit is within `DISTINCT` of it could be meant as
-well: at constant speed only the diagonal contrast is known, which cannot tell fl from rr. Two questions are kept apart:
+well: at constant speed only the diagonal contrast is known, which cannot tell fl from rr. Two questions are kept
+apart:
 
 Is there a loss at all? The significance -x / std, once a second, is averaged (`Ewma`, memory about 1 / (1 - FORGETTING)
-seconds) and compared with THRESHOLD, which gives FALSE_PER_HOUR on sound tyres. The significance is neither Gaussian nor
-independent (the greatest of 14 fits; errors that last a drive), so the threshold is the empirical one of
+seconds) and compared with THRESHOLD, which gives FALSE_PER_HOUR on sound tyres. The significance is neither Gaussian
+nor independent (the greatest of 14 fits; errors that last a drive), so the threshold is the empirical one of
 `estimators.detectors.empirical_threshold`, see `thresholds`.
 Does it matter? -x must exceed LEVEL of the nominal pressure times the car's radius sensitivity (15 %: 0.15 % of radius
 for the default car). UN R141 asks for -20 %, FMVSS 138 for -25 %: on a car of the mean sensitivity 15 % leaves a margin

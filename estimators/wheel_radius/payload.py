@@ -23,14 +23,14 @@ from estimators.wheel_radius.noise import NoiseLevel
 RADIUS_LOAD = (
     -1.1e-6
 )  # d ln(rolling radius) / d load [1/N]: published Magic Formula sets, and 0.5 mm per kN of real tyres
-REAR_SHARE, REAR_SHARE_STD = 0.72, 0.2  # between the front seats and behind the rear axle
+REAR_SHARE, REAR_SHARE_STD = 0.72, 0.25  # between the front seats and behind the rear axle
 USUAL, SPREAD = 150.0, 250.0  # [kg] of people and luggage over the car's own mass, and its std
 LOADING_TIME = 10.0  # [s] of standing in which somebody may get in
 CHANGE = 120.0  # [kg], std of what a stop changes
 RESISTANCE, RESISTANCE_STD = 230.0, 200.0  # [N] of b
 RESISTANCE_DRIFT = 5.0  # [N/sqrt(s)]
 PULLING = 0.05  # [m/s^2]; below, brakes may help that no signal tells of
-MODEL_ERROR = 0.03  # of the mass: pitch that the accelerometer feels, resistance that changes with the speed
+MODEL_ERROR = 0.04  # of the mass: pitch that the accelerometer feels, resistance that changes with the speed
 LOAD_CHANGE = 200.0  # [kg], std of a change of the load before anything is measured
 EXCITATION = 0.2  # [m/s^2] by which the specific force must change to tell m from b
 FORCE_ERROR = 300.0  # [N] of a block before it is measured
@@ -85,7 +85,8 @@ class Payload:
 
 
 def radius_shift(mass_change: float, std: float) -> tuple[float, float]:
-    """(mean, std) of the change of ln(r_rear / r_front) that a change of the mass [kg], measured to `std`, brings [-]."""
+    """(mean, std) [-] of the change of ln(r_rear / r_front) that a change of the mass [kg], measured to `std`,
+    brings."""
     known = LOAD_CHANGE**2 / (LOAD_CHANGE**2 + std**2)  # what is badly measured is small rather than large
     mass_change, std = known * mass_change, known**0.5 * std
     each = 0.5 * RADIUS_LOAD * GRAVITY

@@ -51,7 +51,8 @@ class Residuals:
 
 
 class Methods:
-    """The three methods side by side, with the road's grip and the car's load. learning: the deltas are constants, for a calibration."""
+    """The three methods side by side, with the road's grip and the car's load. learning: the deltas are constants, for
+    a calibration."""
 
     def __init__(self, car: Car, learning: bool = False) -> None:
         self.static = StaticResidual(drift=0.0 if learning else static_residual.DRIFT)
