@@ -8,7 +8,7 @@ repetition counts. The stream is of class C at 80 km/h and is sensed before the 
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -41,7 +41,7 @@ def nominal() -> Calibration:
     return Calibration(level, std, (SLIP, SLIP_STD), np.zeros(2), np.full(2, BEND_STD))
 
 
-def _cost(bank: Bank, stream: list[Mapping[str, Signal]]) -> float:
+def _cost(bank: Bank, stream: Sequence[Mapping[str, Signal]]) -> float:
     """Processor time [s] of a bank on a stream."""
     begun = time.thread_time()
     for second, samples in enumerate(stream, 1):
