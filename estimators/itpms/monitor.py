@@ -56,6 +56,8 @@ CONTRAST_DAY = np.array([1.2e-3, 2.5e-3, 1.2e-3])
 CONTRAST_WALK = np.array([1e-5, 2e-5, 1e-5])  # per sqrt(s)
 GYRO_WALK, SLIP_DAY, SLIP_WALK, BEND_DAY = 2e-5, 0.01, 2e-4, 0.05
 LATERAL = 1.5e-4  # of a contrast per m/s^2 of lateral acceleration: load transfer
+TIGHT = 0.03  # m, of left-right and diagonal per curvature: tracks as told are off, side slip turns the axles
+STEERED = 1.2  # m^2, of front-rear per curvature squared: so are the wheelbase and the steering ratio
 TRACTION = 2e-3  # of a contrast per normalised traction: slip that is not linear
 LEAST_NOISE = np.array([1.5e-4, 2e-4, 1.5e-4])  # of a block's contrast that its neighbours share and no average removes
 TURN = 2.0  # m/s, a change of speed that changes the calibration
@@ -191,7 +193,9 @@ class Monitor:
 
     def _radius(self, block: Block, expected: NDArray[np.float64]) -> int:
         radius, count = block.radius, 0
-        modelled = (LATERAL * radius.curvature * block.speed**2) ** 2 + (TRACTION * radius.traction) ** 2
+        bend = radius.curvature
+        modelled = (LATERAL * bend * block.speed**2) ** 2 + (TRACTION * radius.traction) ** 2
+        bent = (TIGHT * bend) ** 2, (STEERED * bend**2) ** 2, (TIGHT * bend) ** 2
         for contrast in range(3):
             noise = self._noise[contrast]
             if np.isnan(radius.value[contrast]):
@@ -207,7 +211,7 @@ class Monitor:
             else:
                 row[BEND_DIAGONAL], row[SLIP_DIFFERENCE] = radius.curvature, radius.traction
             value = radius.value[contrast] - expected[8 + contrast]
-            variance = noise.variance + LEAST_NOISE[contrast] ** 2 + modelled
+            variance = noise.variance + LEAST_NOISE[contrast] ** 2 + modelled + bent[contrast]
             noise.add(*self._car.take(row, self._sensitivity * CONTRASTS[contrast], value, variance))
             count += 1
         return count
