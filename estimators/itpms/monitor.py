@@ -50,7 +50,7 @@ SENSITIVITY = (0.334, 0.19)
 SOURCES = ("vibration", "radius", "fused")
 WIDER = 1.2  # a block's frequency varies by that times what its spectrum says
 # common to the four wheels, of each wheel
-DAY = {"antiphase": (0.013, 0.006), "in_phase": (0.015, 0.012)}
+DAY = {"antiphase": (0.014, 0.008), "in_phase": (0.015, 0.012)}
 WALK = {"antiphase": (4e-4, 1e-4), "in_phase": (5e-4, 3e-4)}  # per sqrt(s)
 CONTRAST_DAY = np.array([1.2e-3, 2.5e-3, 1.2e-3])
 CONTRAST_WALK = np.array([1e-5, 2e-5, 1e-5])  # per sqrt(s)

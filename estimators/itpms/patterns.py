@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from estimators.compiled import compiled
 
-TYPICAL, SPREAD, ALIKE = -0.18, 0.08, 0.03  # ln pressure: 16 % less, give or take 7, alike to 3
+TYPICAL, SPREAD, ALIKE = -0.18, 0.08, 0.015  # ln pressure: 16 % less, give or take 7, alike to 1.5
 FURTHER = 1.0
 WIDE = 0.25  # ln pressure
 PATTERNS = np.array([[bool(code >> wheel & 1) for wheel in range(4)] for code in range(1, 16)])
