@@ -45,6 +45,11 @@ class Bank:
         """The members, sorted."""
         return tuple(self._members)
 
+    @property
+    def reads(self) -> frozenset[str]:
+        """Signals that some member reads."""
+        return frozenset(signal for member in self._members.values() for signal in member.reads)
+
     def update(self, samples: Mapping[str, Signal], until: float) -> dict[str, Signal]:
         """Feed what arrived before `until` [s]; new estimates, alarms and flags as signals."""
         said: dict[str, Signal] = {}

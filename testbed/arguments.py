@@ -30,6 +30,9 @@ LIMITS = {
     "--load": (0.0, 1000.0, "kg"),
     "--grade": (-30.0, 30.0, "%"),
     "--bank": (-20.0, 20.0, "%"),
+    "--wind": (0.0, 140.0, "km/h"),
+    "--wind direction": (-360.0, 360.0, "deg"),
+    "--wind gusts": (0.0, 100.0, "%"),
     "--ambient": (-40.0, 60.0, "Celsius"),
 }
 
@@ -177,6 +180,13 @@ def drive_parser() -> Parser:
     add("--grade", default="0", help="rise of the road in per cent, -30 to 30 (default %(default)s)")
     add("--bank", default="0", help="cross slope in per cent, left side up, -20 to 20 (default %(default)s)")
     add(
+        "--wind",
+        default="0",
+        metavar="KMH@DEG/PERCENT",
+        help="such as 30@90/25: mean speed in km/h, 0 to 140; where it comes from in degrees, 0 (default) against a "
+        "car that drives along x, 90 from its left; gusts in per cent of the mean, 0 to 100 (default 15)",
+    )
+    add(
         "--obstacle",
         action="append",
         default=[],
@@ -201,6 +211,20 @@ def _position(text: str) -> tuple[float, float, float]:
     if len(parts) != 3:
         raise ValueError(f"--load-position {text!r}: want x,y,z in m")
     return parts[0], parts[1], parts[2]
+
+
+def _wind(text: str) -> dict[str, float]:
+    """Fields of the scenario of KMH[@DEG][/PERCENT]."""
+    front, slash, gusts = text.partition("/")
+    speed, at, direction = front.partition("@")
+    if (slash and not gusts) or (at and not direction):
+        raise ValueError(f"--wind {text!r}: want KMH[@DEG][/PERCENT], such as 30@90/25")
+    found = {"wind": _quantity("--wind", speed) / 3.6}
+    if at:
+        found["wind_from"] = math.radians(_quantity("--wind direction", direction))
+    if slash:
+        found["gusts"] = 0.01 * _quantity("--wind gusts", gusts)
+    return found
 
 
 def _seed(text: str, option: str = "--seed") -> int:
@@ -253,6 +277,7 @@ def scenario_of(options: argparse.Namespace) -> Scenario:
         friction=options.friction,
         grade=0.01 * _quantity("--grade", options.grade),
         bank=0.01 * _quantity("--bank", options.bank),
+        **_wind(options.wind),
         obstacles=tuple(options.obstacle),
         driven=options.driven,
         ambient=round(_quantity("--ambient", options.ambient) + KELVIN, 9),

@@ -26,6 +26,9 @@ RANGES = (
     ("payload", 0.0, 1000.0, "kg"),
     ("grade", -0.3, 0.3, "-"),
     ("bank", -0.2, 0.2, "-"),
+    ("wind", 0.0, 40.0, "m/s"),
+    ("wind_from", -2.0 * math.pi, 2.0 * math.pi, "rad"),
+    ("gusts", 0.0, 1.0, "-"),
     ("ambient", 233.15, 333.15, "K"),
     ("step", 1e-5, 1e-3, "s"),
 )
@@ -57,8 +60,9 @@ def _entries(name: str, kind: type[Entry], given: object) -> object:
 class Scenario:
     """road, manoeuvre, tyre: as on the command line. speed [m/s], duration [s], payload [kg] at payload_position [m]
     from the chassis' centre of gravity, pressures [Pa gauge] and radius_factor [-] by wheel, ambient [K], grade and
-    bank [-]. seed: of road and sensors; car_seed: of what differs from one sensor to the next of its kind, None: as
-    seed."""
+    bank [-]. wind: mean speed [m/s], wind_from: where it comes from [rad], 0 against a car that drives along x, a
+    quarter turn from the left; gusts: their std over the mean [-]. seed: of road and sensors; car_seed: of what
+    differs from one sensor to the next of its kind, None: as seed."""
 
     road: str = "C"
     speed: float = 80.0 / 3.6
@@ -76,6 +80,9 @@ class Scenario:
     friction: str = "1.0"
     grade: float = 0.0
     bank: float = 0.0
+    wind: float = 0.0
+    wind_from: float = 0.0
+    gusts: float = 0.15
     obstacles: tuple[str, ...] = ()
     driven: str = "front"
     ambient: float = 293.15

@@ -6,7 +6,7 @@ sensors (and nothing else), and everything goes into the recording.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from estimators.car import Car
-from estimators.drive_log import Signal
+from estimators.drive_log import WHEELS, Signal
 from estimators.runner import FLUSH, Bank
 from models.tyre_properties import TyreProperties
 from models.vehicle import Vehicle
@@ -23,6 +23,8 @@ from testbed.drive_recording import DriveRecording
 from testbed.notes import drive_notes
 from testbed.scenario import SENSOR_STEP, Scenario
 from testbed.sensors import Motion, SensorSuite, sensor_settings
+from testbed.sensors.defaults import EDGE_NAMES, SPEED_NAMES
+from testbed.sensors.settings import SensorSettings
 from testbed.simulation import Simulation, Stretch
 
 
@@ -51,16 +53,24 @@ class Variant:
     """What a campaign changes that a scenario cannot say; None leaves it as the scenario has it.
 
     vehicle, tyre: what drives. car: what the estimators are told of it. calibrations: what they learnt of it before,
-    by estimator.
+    by estimator. only_read: sensors that no estimator reads are left out, which changes nothing for those that are
+    there.
     """
 
     vehicle: Vehicle | None = None
     tyre: TyreProperties | None = None
     car: Car | None = None
     calibrations: Mapping[str, Mapping[str, Any]] | None = None
+    only_read: bool = False
 
 
 PLAIN = Variant()
+
+
+def needed(settings: Mapping[str, SensorSettings], reads: Collection[str]) -> dict[str, SensorSettings]:
+    """The sensors of these signals, and the encoders that bus speeds are computed from."""
+    edges = {EDGE_NAMES[wheel] for wheel in WHEELS if SPEED_NAMES[wheel] in reads}
+    return {name: figures for name, figures in settings.items() if name in reads or name in edges}
 
 
 class Session:
@@ -75,6 +85,8 @@ class Session:
         self.simulation = Simulation(scenario, variant.vehicle, variant.tyre)
         notes = drive_notes(self.simulation, variant.car)
         self.bank = Bank(estimators, Car.from_notes(notes), variant.calibrations)
+        if variant.only_read:
+            settings = needed(settings, self.bank.reads)
         self._suite = SensorSuite(settings, scenario.seed, self.simulation, car_seed=scenario.car_seed)
         self._recording = DriveRecording(recording, self.simulation, notes) if recording else None
 

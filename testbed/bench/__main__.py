@@ -49,6 +49,7 @@ BARS: dict[str, tuple[str, float, str]] = {
     "drive_60s_s": ("<=", 15.0, "whole process"),
     "campaign_overhead": ("<=", 0.10, "over bare drives"),
     "two_process_speedup": (">=", 1.8, "processes warm"),
+    "itpms_cpu_share": ("<=", 0.02, "of one core, real time"),
 }
 
 
@@ -59,6 +60,7 @@ def measure(effort: Effort) -> dict[str, float]:
     process = process_cost(WHOLE_DRIVE, effort.repetitions)
     from testbed.bench.campaigns import campaign_cost
     from testbed.bench.drives import drive_speed, two_thread_speedups
+    from testbed.bench.itpms_cost import itpms_cpu_share
     from testbed.bench.loop_cost import loop_cost
 
     loop = loop_cost(effort.loop_seconds)
@@ -75,6 +77,7 @@ def measure(effort: Effort) -> dict[str, float]:
         "drive_60s_s": process.whole,
         "campaign_overhead": campaigns.overhead,
         "two_process_speedup": campaigns.speed_up,
+        "itpms_cpu_share": itpms_cpu_share(effort.drive, effort.repetitions),
         "loop_step_us": 1e6 * loop.loop_step,
         "mj_step_us": 1e6 * loop.bare_step,
         "bare_thread_speedup": bare_threads,

@@ -6,6 +6,7 @@ drawn from a distribution.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from typing import Any
 
@@ -96,6 +97,9 @@ FIELDS: dict[str, tuple[str, Convert]] = {
     "friction": ("friction", _as_is),
     "grade_percent": ("grade", _scaled(0.01)),
     "bank_percent": ("bank", _scaled(0.01)),
+    "wind_kmh": ("wind", _scaled(1.0 / 3.6)),
+    "wind_from_deg": ("wind_from", _scaled(math.pi / 180.0)),
+    "gust_percent": ("gusts", _scaled(0.01)),
     "obstacles": ("obstacles", _tuple),
     "driven": ("driven", _as_is),
     "ambient_c": ("ambient", _scaled(1.0, KELVIN)),
