@@ -9,9 +9,9 @@ H_i theta and v_i = R_i + H_i P H_i',
     x_i = (u_i - m_i) / std(u_i - m_i),   m_i: mean of the other sources weighted with 1 / v_j
 
 is the residual (the seed's deviation from the global value, in its own standard deviations; for one faulty source the
-largest |x_i| is the most likely one). A two-sided CUSUM of x_i with drift k alarms above h; the source with the largest
-is accused and takes no further part; the others' statistics, which its fault has moved, start anew. It recovers when
-its |x_i| has stayed small. Fewer than two sources left: nothing is compared.
+largest |x_i| is the most likely one). A two-sided CUSUM g of x_i with drift k alarms above h_i; the source with the
+largest g/h is accused and takes no further part; the others' statistics, which its fault has moved, start anew. It
+recovers when its |x_i| has stayed small. Fewer than two sources left: nothing is compared.
 
 State of a comparison of m sources and p nuisances, rows of one array each:
     theta (p,), spread (p, p), noise (m,) adaptive variance, statistic (m, 2), calm (m,) cells, accused (m,) 0 or 1,
@@ -29,6 +29,7 @@ from numpy.typing import NDArray
 from estimators.compiled import compiled
 
 LAG = 40  # cells between a cell and its learning: 2 s
+LEARNING = 100  # cells at the start of which nothing is judged: 5 s
 UNKNOWN = 1e4  # variance of q before a cell, in its unit squared: far more than it can be
 FORGET = 0.98  # per cell: the adaptive noise remembers 2.5 s
 OUTLIER = 9.0  # of the noise's variance: a larger square counts as that much
@@ -151,7 +152,8 @@ def _variance(memory, u, v, h, r, adaptive, i, rest):
 
 @compiled
 def step(memory, y, h, r, walk, adaptive, drift, threshold, x, said):
-    """One cell. y: (m,), NaN where silent; h: (m, p); r: (m,); walk: (p,); adaptive: (m,) 1 where the noise is learnt.
+    """One cell. y: (m,), NaN where silent; h: (m, p); r: (m,); walk: (p,); adaptive: (m,) 1 where the noise is learnt;
+    threshold: h of each source, (m,).
 
     Fills x (m,), NaN where there is nothing to compare with, and said: global value, its variance, sources used (3,).
     Returns the source accused in this cell, -1 for none, or -2 - i where source i has recovered.
@@ -182,7 +184,7 @@ def step(memory, y, h, r, walk, adaptive, drift, threshold, x, said):
     said[0], said[1], said[2] = np.nan, np.inf, used
     if used > 0:
         said[0], said[1] = weighted / total, 1.0 / total
-    worst, largest = -1, threshold
+    worst, largest = -1, 1.0
     for i in range(m):
         if not math.isfinite(u[i]):
             continue
@@ -193,12 +195,14 @@ def step(memory, y, h, r, walk, adaptive, drift, threshold, x, said):
         off = u[i] - (weighted - mine * u[i]) / rest
         x[i] = min(max(off / math.sqrt(_variance(memory, u, v, h, r, adaptive, i, rest)), -LARGEST), LARGEST)
         memory.smooth[i] = SMOOTH * memory.smooth[i] + (1.0 - SMOOTH) * abs(x[i])
+        if memory.taken[0] <= LEARNING:
+            continue
         if memory.accused[i] > 0.0:
             memory.calm[i] = memory.calm[i] + 1.0 if memory.smooth[i] < CALM else 0.0
             continue
-        memory.statistic[i, 0] = min(max(memory.statistic[i, 0] + x[i] - drift, 0.0), 2.0 * threshold)
-        memory.statistic[i, 1] = min(max(memory.statistic[i, 1] - x[i] - drift, 0.0), 2.0 * threshold)
-        g = max(memory.statistic[i, 0], memory.statistic[i, 1])
+        memory.statistic[i, 0] = min(max(memory.statistic[i, 0] + x[i] - drift, 0.0), 2.0 * threshold[i])
+        memory.statistic[i, 1] = min(max(memory.statistic[i, 1] - x[i] - drift, 0.0), 2.0 * threshold[i])
+        g = max(memory.statistic[i, 0], memory.statistic[i, 1]) / threshold[i]
         if g > largest:
             worst, largest = i, g
     if worst >= 0 and used < 3:

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from estimators.compiled import compiled
 from estimators.redundancy.comparison import LAG, Memory, new_memory, step
-from estimators.redundancy.numbers import FORCE_DRIFT, FORCE_THRESHOLD, YAW_DRIFT, YAW_THRESHOLD
+from estimators.redundancy.numbers import FORCE_DRIFT, YAW_DRIFT
 from estimators.redundancy.sources import (
     ADAPTIVE_FORCE,
     ADAPTIVE_YAW,
@@ -90,10 +90,11 @@ def suspect(state, first):
 
 
 @compiled
-def follow(c, state, index, cells, stuck, said):
-    """index: (n,) of the cells; cells: (n, 11); stuck: (n, 4) 1 where a wheel's sensor is; said: (n, SAID), filled."""
+def follow(c, state, limits, index, cells, stuck, said):
+    """limits: thresholds of both comparisons, (2, 4); index: (n,) of the cells; cells: (n, 11); stuck: (n, 4) 1 where a
+    wheel's sensor is; said: (n, SAID), filled."""
     yaw_y, yaw_h, yaw_r = np.empty(4), np.empty((4, 7)), np.empty(4)
-    force_y, force_h, force_r = np.empty(4), np.empty((4, 3)), np.empty(4)
+    force_y, force_h, force_r = np.empty(4), np.empty((4, 5)), np.empty(4)
     for k in range(index.size):
         if state.cells[1] >= 0 and index[k] != state.cells[1] + 1:
             forget(state.past)
@@ -108,7 +109,7 @@ def follow(c, state, index, cells, stuck, said):
         if rear or state.yaw.accused[2] > 0.0 or state.force.accused[2] > 0.0:
             v = 0.5 * c.radius * (cell[0] + cell[1])
         row[YAW_EVENT] = step(
-            state.yaw, yaw_y, yaw_h, yaw_r, YAW_WALK, ADAPTIVE_YAW, YAW_DRIFT, YAW_THRESHOLD,
+            state.yaw, yaw_y, yaw_h, yaw_r, YAW_WALK, ADAPTIVE_YAW, YAW_DRIFT, limits[0],
             row[YAW_X : YAW_X + 4], row[YAW_VALUE : YAW_USED + 1],
         )  # fmt: skip
         turn = row[YAW_VALUE]
@@ -117,10 +118,10 @@ def follow(c, state, index, cells, stuck, said):
             if out or state.yaw.accused[i] > 0.0:
                 force_y[i] = np.nan
         row[FORCE_EVENT] = step(
-            state.force, force_y, force_h, force_r, FORCE_WALK, ADAPTIVE_FORCE, FORCE_DRIFT, FORCE_THRESHOLD,
+            state.force, force_y, force_h, force_r, FORCE_WALK, ADAPTIVE_FORCE, FORCE_DRIFT, limits[1],
             row[FORCE_X : FORCE_X + 4], row[FORCE_VALUE : FORCE_USED + 1],
         )  # fmt: skip
-        row[GRADE] += state.force.theta[2]
+        row[GRADE] += state.force.theta[2] + state.force.theta[3] * state.past.lagged[2]
         row[GRADE_VARIANCE] = state.force.spread[2, 2]
         row[WHEEL] = -1.0
         for event in (row[YAW_EVENT], row[FORCE_EVENT]):

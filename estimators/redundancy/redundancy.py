@@ -23,10 +23,10 @@ from numpy.typing import NDArray
 from estimators.car import Car
 from estimators.drive_log import WHEELS, Signal
 from estimators.estimator import Alarm, Estimate, Estimator, Flag, Outputs
-from estimators.grid import REPEAT, Grid
+from estimators.grid import LATENCY, REPEAT, Grid
 from estimators.redundancy import monitor
 from estimators.redundancy.frozen import Change, FrozenWatch
-from estimators.redundancy.numbers import HOURS
+from estimators.redundancy.numbers import HOURS, LIMITS
 from estimators.redundancy.sources import CHANNELS, FORCE, STEP, YAW, constants
 
 SENSORS = {
@@ -74,7 +74,7 @@ class Redundancy(Estimator):
                         if np.isfinite(column).any()}  # fmt: skip
         said = np.empty((len(cells.index), monitor.SAID))
         values = np.ascontiguousarray(cells.value)
-        monitor.follow(self._constants, self._state, cells.index, values, self._stuck_in(cells.centre), said)
+        monitor.follow(self._constants, self._state, LIMITS, cells.index, values, self._stuck_in(cells.centre), said)
         self._tell(cells.centre, said, alarms, flags)
         estimates = self._estimates(cells.centre, said) if self._heard.issuperset(self.requires) else {}
         return Outputs(estimates, tuple(sorted(alarms)), tuple(sorted(flags)))
@@ -105,7 +105,7 @@ class Redundancy(Estimator):
                   (monitor.FORCE_EVENT, FORCE, monitor.FORCE_USED, "acceleration"))  # fmt: skip
         for column, names, used, quantity in events:
             for k in np.flatnonzero(said[:, column] != -1.0):
-                now, event = float(centre[k]) + 0.5 * STEP, int(said[k, column])
+                now, event = float(centre[k]) + 0.5 * STEP + LATENCY, int(said[k, column])
                 if event >= 0:
                     wheel = WHEELS[int(said[k, monitor.WHEEL])] if names[event] in ("front", "rear") else ""
                     if names[event] == "torque":  # brakes, a clutch: no sensor's fault

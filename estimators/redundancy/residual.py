@@ -34,8 +34,7 @@ def limit(sigma: float, threshold: float) -> float:
 
 def faulty(deviation: ArrayLike, sigma: float, threshold: float) -> NDArray[np.bool_]:
     """The seed's decision C for deviations d."""
-    far: NDArray[np.bool_] = np.greater(np.abs(transformed(deviation, sigma)), threshold)
-    return far
+    return np.array(np.abs(transformed(deviation, sigma)) > threshold, dtype=bool)
 
 
 def any_measurement(decisions: NDArray[np.bool_]) -> NDArray[np.bool_]:

@@ -7,9 +7,9 @@ Axes as ISO 8855, R nominal radius, t track, d road-wheel angle, r yaw rate, v s
                   rear       (v_rr - v_rl) / t_r                    the same
                   steering   v tan d / (L + K v^2), lagged by LAG v  zero of the sensor, K
     specific      imu        f_x + r v_y                            -  (its offset is the grade's)
-    force         torque     (T/R - rho c A v^2 / 2) / m            offset, mass; silent while the driver may be braking
-                  front      dv_f/dt + I                             grade
-                  rear       dv/dt + I                              grade
+    force         torque     (T/R - rho c A v^2 / 2) / m            offset, mass, drag; silent where brakes may act
+                  front      dv_f/dt + I                            grade, offset of the pitch rate
+                  rear       dv/dt + I                              the same
 
 v_f^2 = (v_fl^2 + v_fr^2) / 2 - r^2 (L^2 + t_f^2 / 4): each front wheel rolls square to the line to the turning centre,
 so no steering angle is needed. v_y = r l_r (1 - v^2 / V_SLIP^2) is the sideways speed at the centre of gravity. I is
@@ -44,15 +44,15 @@ SLOWEST = 2.0  # m/s, below which wheel speeds come too seldom to be compared
 UNDERSTEER = 0.002  # K [s^2/m], declared; the nuisance corrects it
 LAG = 0.005  # s of the yaw rate behind the steering, for each m/s
 V_SLIP = 20.0  # m/s at which the body's side slip changes its sign, declared
-PITCH_MEMORY = 5.0  # s
-SLIP = 0.008  # [s/m] noise of a speed's change that slip under acceleration makes, over v a
+PITCH_MEMORY = 60.0  # s
+SLIP = 0.004  # [s/m] noise of a speed's change that slip under acceleration makes, over v a
 LEAST_DRIVE = 0.0  # N m of driving torque above which no driver brakes
 WILD = 200.0  # m/s, rad/s, m/s^2: beyond any car
 # standard deviations of the nuisances before a drive, and how far they walk in an hour
 YAW_PRIOR = np.array([0.01, 3e-3, 3e-4, 3e-3, 3e-4, 2e-3, 1.0])
-FORCE_PRIOR = np.array([0.2, 0.15, 0.8])
+FORCE_PRIOR = np.array([0.2, 0.15, 0.8, 3e-3, 0.1])
 YAW_WALK = (np.array([2e-3, 1e-3, 1e-4, 1e-3, 1e-4, 1e-3, 0.2])) ** 2 * STEP / 3600.0
-FORCE_WALK = np.array([2.0, 0.3, 6.0]) ** 2 * STEP / 3600.0
+FORCE_WALK = np.array([1.0, 0.2, 1.5, 2e-3, 0.2]) ** 2 * STEP / 3600.0
 # where noise is learnt, and the standard deviation that it begins with
 YAW_NOISE = np.array([0.001, 0.02, 0.02, 0.003])
 FORCE_NOISE = np.array([0.03, 0.2, 0.2, 0.03])
@@ -82,7 +82,8 @@ def constants(car: Car) -> Constants:
 
 
 class Past(NamedTuple):
-    """lagged: steering's yaw rate and I [rad/s, m/s^2], (2,); ring (WINDOW + 1, 5): v_front, v_rear, f_x, f_T, I."""
+    """lagged: steering's yaw rate, I and what an offset of 1 rad/s adds to I, (3,); ring: v_front, v_rear, f_x, f_T, I
+    of the last cells, (WINDOW + 1, 5)."""
 
     lagged: NDArray[np.float64]
     ring: NDArray[np.float64]
@@ -90,7 +91,7 @@ class Past(NamedTuple):
 
 def new_past() -> Past:
     """Before a drive."""
-    return Past(np.zeros(2), np.full((WINDOW + 1, 5), np.nan))
+    return Past(np.zeros(3), np.full((WINDOW + 1, 5), np.nan))
 
 
 @compiled
@@ -134,11 +135,12 @@ def yaw_sources(c, past, cell, y, h, r):
     turn = abs(y[3]) if math.isfinite(y[3]) else abs(gyro) if math.isfinite(gyro) else 0.0
     side = v * (y[3] if math.isfinite(y[3]) else gyro)
     side = min(max(side, -10.0), 10.0) if math.isfinite(side) else 0.0
+    rolling = min(abs(cell[4]), 1.0) if math.isfinite(cell[4]) else 0.0
     h[0, 0] = 1.0
     if math.isfinite(v):
         h[1, 1] = h[2, 3] = v
         h[1, 2] = h[2, 4] = v * side
-    r[0] = (1e-3) ** 2 + (0.005 * turn) ** 2
+    r[0] = (1e-3) ** 2 + (0.005 * turn) ** 2 + (0.05 * rolling) ** 2
     r[1] = (2e-3) ** 2 + (0.010 * side) ** 2
     r[2] = (1e-3) ** 2 + (0.004 * side) ** 2
     r[3] = (1e-3) ** 2 + (0.005 * side) ** 2 + (0.02 * turn) ** 2 + (0.5 * ahead) ** 2
@@ -147,7 +149,7 @@ def yaw_sources(c, past, cell, y, h, r):
 
 @compiled
 def force_sources(c, past, cell, v, turn, y, h, r):
-    """Fills y (4,), h (4, 3), r (4,) of the specific force; v, turn: speed and yaw rate believed [m/s, rad/s]. Returns
+    """Fills y (4,), h (4, 5), r (4,) of the specific force; v, turn: speed and yaw rate believed [m/s, rad/s]. Returns
     I, the change of g sin(pitch) [m/s^2]."""
     y[:], h[:, :] = np.nan, 0.0
     turn = turn if math.isfinite(turn) else 0.0
@@ -163,6 +165,7 @@ def force_sources(c, past, cell, v, turn, y, h, r):
     pitching = -(cell[5] - turn * min(max(roll, -0.3), 0.3))
     if abs(pitching) < WILD:
         past.lagged[1] += STEP * (GRAVITY * pitching - past.lagged[1] / PITCH_MEMORY)
+        past.lagged[2] += STEP * (GRAVITY - past.lagged[2] / PITCH_MEMORY)
     ring[-1, 4] = past.lagged[1]
     mean, change = np.zeros(5), np.zeros(5)
     for j in range(5):
@@ -181,9 +184,11 @@ def force_sources(c, past, cell, v, turn, y, h, r):
     v = v if math.isfinite(v) else 0.0
     side = min(abs(v * turn), 10.0) if math.isfinite(v) else 0.0
     h[1, 2] = h[2, 2] = h[3, 0] = 1.0
+    h[1, 3] = h[2, 3] = past.lagged[2]
+    h[3, 4] = (v / V_SLIP) ** 2
     h[3, 1] = cell[9] / c.radius / c.mass if drives else 0.0
-    r[0] = 0.02**2 + (0.01 * hard) ** 2 + (0.02 * side) ** 2
-    r[1] = 0.06**2 + (SLIP * v * hard) ** 2 + (0.05 * side) ** 2
-    r[2] = 0.05**2 + (SLIP * v * hard) ** 2 + (0.03 * side) ** 2
-    r[3] = 0.015**2 + (0.05 * hard) ** 2 + (0.03 * side) ** 2
+    r[0] = 0.01**2 + (0.007 * hard) ** 2 + (0.015 * side) ** 2
+    r[1] = 0.03**2 + (SLIP * v * hard) ** 2 + (0.04 * side) ** 2
+    r[2] = 0.025**2 + (SLIP * v * hard) ** 2 + (0.02 * side) ** 2
+    r[3] = 0.01**2 + (0.03 * hard) ** 2 + (0.02 * side) ** 2
     return mean[4]
