@@ -33,8 +33,9 @@ def limit(sigma: float, threshold: float) -> float:
 
 
 def faulty(deviation: ArrayLike, sigma: float, threshold: float) -> NDArray[np.bool_]:
-    """The seed's decision C for deviations d."""
-    return np.array(np.abs(transformed(deviation, sigma)) > threshold, dtype=bool)
+    """The seed's decision C for deviations d, shape (n,)."""
+    size: NDArray[np.float64] = np.atleast_1d(np.abs(transformed(deviation, sigma)))
+    return size > threshold
 
 
 def any_measurement(decisions: NDArray[np.bool_]) -> NDArray[np.bool_]:

@@ -43,7 +43,8 @@ def _two_sided(drift: float, threshold: float) -> CusumMean:
 
 
 def thresholds(record: Iterable[NDArray[np.float64]]) -> NDArray[np.float64]:
-    """h of each source, shape (2, 4), from residuals of sound drives. Torque, on which no alarm hangs, takes the accelerometer's."""
+    """h of each source, shape (2, 4), from residuals of sound drives. Torque, on which no alarm hangs, takes the
+    accelerometer's."""
     x = np.concatenate(list(record))
     arl0 = SOURCES * HOURS * 3600.0 / STEP
     found = np.full(SOURCES, np.nan)

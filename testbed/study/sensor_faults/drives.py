@@ -30,8 +30,8 @@ Stretch = Mapping[str, Signal]
 
 @dataclass(frozen=True)
 class Drive:
-    """stretches: what the sensors said, a second each, with the signals that the estimator reads; of the truth at 20 Hz:
-    time [s], acceleration [m/s^2], yaw rate [rad/s], (n,)."""
+    """stretches: what the sensors said, a second each, with the signals that the estimator reads; of the truth at
+    20 Hz: time [s], acceleration [m/s^2], yaw rate [rad/s], (n,)."""
 
     stretches: list[Stretch]
     time: NDArray[np.float64]
@@ -57,7 +57,8 @@ def driven(asked: Scenario) -> Drive:
     """The whole drive. ValueError where it cannot be driven to its end."""
     simulation = Simulation(asked)
     suite = SensorSuite(sensor_settings(asked.sensors), asked.seed, simulation, car_seed=asked.car_seed)
-    stretches, time, speed, turn = [], [], [], []
+    stretches: list[Stretch] = []
+    time, speed, turn = [], [], []
     for stretch in simulation.stretches():
         said = suite.advance(motion_of(stretch, asked.step))
         stretches.append({name: said[name] for name in Redundancy.reads})
