@@ -32,6 +32,7 @@ class Car:
     rolling_radius: float = 0.36  # nominal effective radius, declared: 235/60R18
     front_wheel_inertia: float = 1.6  # about the hub: rim, disc, tyre; declared
     rear_wheel_inertia: float = 1.8  # declared
+    ring_teeth: float = 48.0  # of each wheel's speed sensor
     steering_ratio: float = 16.0  # steering-wheel angle per road-wheel angle, declared
     driven_axle: str = "front"
     drag_area: float = 0.9625  # drag coefficient 0.35 (declared) times frontal area 2.75 m^2

@@ -15,6 +15,8 @@ from pathlib import Path
 from typing import NoReturn
 
 from estimators.drive_log import WHEELS
+from estimators.faults import FORM, fault_kinds
+from testbed.brake_pull import BrakePull
 from testbed.manoeuvres.manoeuvre import manoeuvres
 from testbed.scenario import DRIVEN, Scenario
 from testbed.tyre.inflation import Leak, PressureSet
@@ -113,6 +115,19 @@ def _pressure_sets(items: Iterable[str]) -> dict[str, PressureSet]:
     return changes
 
 
+def _brake_pulls(items: Iterable[str]) -> dict[str, BrakePull]:
+    pulls = {}
+    form = "WHEEL=NM@START[-END], such as rl=3000@20-21"
+    for wheel, text in _wheel_values(items, "--brake", form).items():
+        torque, _, when = text.partition("@")
+        start, dash, end = when.partition("-")
+        if not start or (dash and not end):
+            raise ValueError(f"--brake {wheel}={text}: want {form}")
+        span = [_number(word, "--brake time") for word in ([start, end] if end else [start])]
+        pulls[wheel] = BrakePull(_number(torque, "--brake torque"), *span)
+    return pulls
+
+
 def drive_parser() -> Parser:
     """The parser of `python -m testbed.drive`."""
     defaults = Scenario()
@@ -154,6 +169,13 @@ def drive_parser() -> Parser:
         help="bring a tyre to a pressure during the drive, such as fl=130@30/1.5 (kPa, s, s; without the last, "
         "within 0.1 s)",
     )
+    add(
+        "--brake",
+        action="append",
+        default=[],
+        metavar="WHEEL=NM@START-END",
+        help="a brake that pulls on its own, past the anti-lock control, such as rl=3000@20-21 (N m, s)",
+    )
     add("--load", default="0", help="payload in kg, 0 to 1000 (default %(default)s)")
     add(
         "--load-position",
@@ -191,6 +213,14 @@ def drive_parser() -> Parser:
         action="append",
         default=[],
         help="cleat@50:height=20,length=30,side=left (m, then mm) or pothole@80:depth=60,length=400,side=right",
+    )
+    add(
+        "--fault",
+        action="append",
+        default=[],
+        metavar="FAULT",
+        help=f"of a sensor: {FORM}; kinds: "
+        + "; ".join(f"{name}: {kind.about}" for name, kind in fault_kinds().items()),
     )
     add("--driven", default=defaults.driven, help=f"driven axle: {', '.join(DRIVEN)} (default %(default)s)")
     add("--ambient", default="20", help="air temperature in Celsius, -40 to 60 (default %(default)s)")
@@ -271,6 +301,7 @@ def scenario_of(options: argparse.Namespace) -> Scenario:
         pressures={w: 1e3 * _number(v, "--pressure") for w, v in pressures.items()},
         leaks=_leaks(options.leak),
         pressure_sets=_pressure_sets(options.sets),
+        brake_pulls=_brake_pulls(options.brake),
         radius_factor={w: 1.0 + 0.01 * _number(v, "--radius") for w, v in radii.items()},
         payload=_quantity("--load", options.load),
         payload_position=_position(options.load_position),
@@ -279,6 +310,7 @@ def scenario_of(options: argparse.Namespace) -> Scenario:
         bank=0.01 * _quantity("--bank", options.bank),
         **_wind(options.wind),
         obstacles=tuple(options.obstacle),
+        faults=tuple(options.fault),
         driven=options.driven,
         ambient=round(_quantity("--ambient", options.ambient) + KELVIN, 9),
         sensors=read_json(options.sensors, "--sensors") if options.sensors else {},

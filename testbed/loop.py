@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from estimators.compiled import compiled, inlined
 from testbed import trace
+from testbed.brake_pull import PullPlan, pulled
 from testbed.brakes import brake_moment
 from testbed.driver import (
     DRIVELINE_TORQUE,
@@ -96,6 +97,7 @@ class Constants(NamedTuple):
     driver: DriverCar
     plan: Plan
     inflation: Inflation
+    pulls: PullPlan
     friction_edges: NDArray[np.float64]
     friction_left: NDArray[np.float64]
     friction_right: NDArray[np.float64]
@@ -194,6 +196,7 @@ def _torques(views, ix, c, s, time, speed, spins, drive, brake):
         spins[w] = views.qvel[ix.spin_v[w]]
     drive_torques(c.driver, c.plan, s.driver, time, motion, spins, force, load, drive, brake, c.step)
     for w in range(4):
+        brake[w] = pulled(c.pulls, w, time, brake[w])
         knuckle, rim = ix.knuckle[w], ix.rim[w]
         spin = spins[w]
         moment = brake_moment(s.bristle, w, brake[w], spin, c.spin_inertia[w], c.step)

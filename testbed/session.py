@@ -6,6 +6,7 @@ sensors (and nothing else), and everything goes into the recording.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,11 +17,13 @@ import numpy as np
 
 from estimators.car import Car
 from estimators.drive_log import WHEELS, Signal
+from estimators.faults import Injector
+from estimators.faults.truth import fault_events, sound_signals
 from estimators.runner import FLUSH, Bank
 from models.tyre_properties import TyreProperties
 from models.vehicle import Vehicle
 from testbed.drive_recording import DriveRecording
-from testbed.notes import drive_notes
+from testbed.notes import drive_notes, ring_teeth
 from testbed.scenario import SENSOR_STEP, Scenario
 from testbed.sensors import Motion, SensorSuite, sensor_settings
 from testbed.sensors.defaults import EDGE_NAMES, SPEED_NAMES
@@ -87,19 +90,25 @@ class Session:
         self.bank = Bank(estimators, Car.from_notes(notes), variant.calibrations)
         if variant.only_read:
             settings = needed(settings, self.bank.reads)
+        self._faults = Injector(scenario.faults, scenario.seed, ring_teeth(scenario))
         self._suite = SensorSuite(settings, scenario.seed, self.simulation, car_seed=scenario.car_seed)
         self._recording = DriveRecording(recording, self.simulation, notes) if recording else None
 
     def run(self) -> Iterator[tuple[Stretch, dict[str, Signal]]]:
         """The drive to its end: each stretch with what the estimators said in it (`est/...`, `alarm/...`)."""
-        step = self.simulation.scenario.step
+        step, told = self.simulation.scenario.step, -math.inf
         for stretch in self.simulation.stretches():
-            sensed = self._suite.advance(motion_of(stretch, step))
+            motion = motion_of(stretch, step)
+            sound = self._suite.advance(motion)
+            sensed = self._faults.update(sound, motion.end)
             end = float(stretch["time"][-1]) + step
             last = end > self.simulation.scenario.duration - 0.5 * step
             said = self.bank.update(sensed, end + (FLUSH if last else 0.0))
             if self._recording:
-                self._recording.add({**sensed, **said}, stretch)
+                faults = self._faults.faults
+                truth = fault_events(faults, told, end) | sound_signals(faults, sound)
+                told = end
+                self._recording.add({**sensed, **said, **truth}, stretch)
             yield stretch, said
 
     def __enter__(self) -> Session:

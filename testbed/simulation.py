@@ -20,6 +20,7 @@ from models.car import RoadGrid, compile_model, compose
 from models.tyre_properties import TyreProperties, load_tyre
 from models.vehicle import AIR_DENSITY, GRAVITY, Payload, Vehicle, load_vehicle
 from testbed import driver, loop, trace
+from testbed.brake_pull import pull_plan
 from testbed.driver import driver_car
 from testbed.loop import Constants, Index, State, Views
 from testbed.manoeuvres.manoeuvre import find_manoeuvre
@@ -119,6 +120,7 @@ class Simulation:
             driver=driver_car(self.vehicle, self.tyre, self.payload, self.nominal_radius, s.driven),
             plan=plan,
             inflation=inflation(self.tyre, s.leaks, s.pressure_sets, s.ambient),
+            pulls=pull_plan(s.brake_pulls),
             friction_edges=grip.edges,
             friction_left=grip.left,
             friction_right=grip.right,

@@ -141,7 +141,7 @@ def test_estimators_are_told_the_same_car_whatever_is_true_of_the_day(fields):
     plain, day = (Session(Scenario(road="flat", duration=1.0, **f), None, None) for f in ({}, fields))
     cars = [next(iter(s.bank._members.values())).car for s in (plain, day)]
     assert cars[0] == cars[1]
-    assert cars[0] == known_car(load_vehicle(), load_tyre(), "front")
+    assert cars[0] == known_car(load_vehicle(), load_tyre(), Scenario())
     assert cars[0].steering_ratio == load_vehicle().driveline.steering_ratio
     assert cars[0].radius_sensitivity == pytest.approx(4e-8, rel=0.01)  # 1/Pa: real cars
 

@@ -28,7 +28,7 @@ MEMBERS = ("itpms", "vibration", "wheel_radius")
 def itpms_cpu_share(duration: float, repetitions: int) -> float:
     """Share of one core in real time [-]. duration: [s] of the drive."""
     simulation = Simulation(Scenario(duration=duration))
-    car = known_car(simulation.vehicle, simulation.tyre, simulation.scenario.driven)
+    car = known_car(simulation.vehicle, simulation.tyre, simulation.scenario)
     suite = SensorSuite(needed(sensor_settings({}), Bank(MEMBERS, car).reads), 0, simulation)
     stream = [suite.advance(motion_of(stretch, simulation.scenario.step)) for stretch in simulation.stretches()]
     learnt = {Itpms.name: nominal().document()}
