@@ -35,8 +35,7 @@ def limit(sigma: float, threshold: float) -> float:
 def faulty(deviation: ArrayLike, sigma: float, threshold: float) -> NDArray[np.bool_]:
     """The seed's decision C for deviations d, shape (n,)."""
     size: NDArray[np.float64] = np.atleast_1d(np.abs(transformed(deviation, sigma)))
-    decided: NDArray[np.bool_] = np.greater(size, threshold)
-    return decided
+    return np.asarray(size > threshold, dtype=np.bool_)
 
 
 def any_measurement(decisions: NDArray[np.bool_]) -> NDArray[np.bool_]:
