@@ -10,7 +10,7 @@ from typing import Any
 from estimators.car import Car
 from models.tyre_properties import TyreProperties
 from models.vehicle import Vehicle
-from testbed.simulation import Simulation, nominal_radius, radius_sensitivity
+from testbed.simulation import Simulation, nominal_radius, radius_sensitivity, tyre_law
 
 PACKAGES = ("vehicle-testbed", "mujoco", "numpy", "numba", "rerun-sdk")
 
@@ -35,6 +35,7 @@ def known_car(vehicle: Vehicle, tyre: TyreProperties, driven: str) -> Car:
         drag_area=body.drag_coefficient * body.frontal_area,
         pressure=tyre.p0,
         radius_sensitivity=radius_sensitivity(tyre),
+        **tyre_law(vehicle, tyre),
     )
 
 
