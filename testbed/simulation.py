@@ -86,6 +86,12 @@ def tyre_law(vehicle: Vehicle, tyre: TyreProperties) -> dict[str, float]:
     }
 
 
+def tyre_footprint(vehicle: Vehicle, tyre: TyreProperties) -> float:
+    """Distance of the enveloping cams at the mean static load and nominal pressure [m]."""
+    fz = 0.25 * vehicle.mass * GRAVITY
+    return float(2.0 * tyre.ellips_shift * vertical.contact_half_length(vertical.vertical_law(tyre), 1.0, fz))
+
+
 class Simulation:
     """One drive. Everything random in it comes from the scenario's seed."""
 
