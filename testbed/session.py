@@ -17,6 +17,7 @@ import numpy as np
 from estimators.car import Car
 from estimators.drive_log import Signal
 from estimators.runner import FLUSH, Bank
+from models.identified import identified
 from models.tyre_properties import TyreProperties
 from models.vehicle import Vehicle
 from testbed.drive_recording import DriveRecording
@@ -51,7 +52,7 @@ class Variant:
     """What a campaign changes that a scenario cannot say; None leaves it as the scenario has it.
 
     vehicle, tyre: what drives. car: what the estimators are told of it. calibrations: what they learnt of it before,
-    by estimator.
+    by estimator, over what `models/` holds of the car.
     """
 
     vehicle: Vehicle | None = None
@@ -74,7 +75,7 @@ class Session:
         settings = sensor_settings(scenario.sensors)
         self.simulation = Simulation(scenario, variant.vehicle, variant.tyre)
         notes = drive_notes(self.simulation, variant.car)
-        self.bank = Bank(estimators, Car.from_notes(notes), variant.calibrations)
+        self.bank = Bank(estimators, Car.from_notes(notes), {**identified(), **(variant.calibrations or {})})
         self._suite = SensorSuite(settings, scenario.seed, self.simulation, car_seed=scenario.car_seed)
         self._recording = DriveRecording(recording, self.simulation, notes) if recording else None
 

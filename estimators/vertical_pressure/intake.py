@@ -53,7 +53,8 @@ class HubIntake:
         self.settling = SETTLE
 
     def block(self, value: NDArray[np.float64]) -> NDArray[np.float64] | None:
-        """value: one a millisecond, NaN where missing, shape (BLOCK,). Decimated (SAMPLES,), None if the gap is too long."""
+        """value: one a millisecond, NaN where missing, shape (BLOCK,). Decimated (SAMPLES,), None after too long
+        a gap."""
         filled, out = np.empty(BLOCK), np.empty((SAMPLES, 1))
         if not bridged(value, self._last, self._silent, filled):
             self._begin()

@@ -78,8 +78,9 @@ def taken(p, likelihood):
 
 
 @compiled
-def moved_on(p, drift_k, jump_k, drift_l, jump_l):
-    """The grid one block on, in place. drift: share of a cell that goes to each neighbour; jump: of it, everywhere."""
+def moved_on(p, prior, drift_k, jump_k, drift_l, jump_l):
+    """The grid one block on, in place. drift: share of a cell that goes to each neighbour; jump: of it, by the prior
+    of the stiffness, or to every level."""
     rows, columns = p.shape
     old = p.copy()
     for i in range(rows):
@@ -88,9 +89,9 @@ def moved_on(p, drift_k, jump_k, drift_l, jump_l):
             up, down = min(i + 1, rows - 1), max(i - 1, 0)
             p[i, f] = value + drift_k * (old[up, f] + old[down, f] - 2.0 * value)
     for f in range(columns):
-        mean = p[:, f].sum() / rows
+        total = p[:, f].sum()
         for i in range(rows):
-            p[i, f] += jump_k * (mean - p[i, f])
+            p[i, f] += jump_k * (prior[i] * total - p[i, f])
     for i in range(rows):
         old[i] = p[i]
         mean = old[i].sum() / columns
@@ -101,10 +102,12 @@ def moved_on(p, drift_k, jump_k, drift_l, jump_l):
 
 
 class Posterior:
-    """Of one wheel. p: (fine stiffnesses, fine levels), sums to 1; begun flat."""
+    """Of one wheel. p: (fine stiffnesses, fine levels), sums to 1; begun flat over the levels."""
 
-    def __init__(self) -> None:
-        self.p = np.full((len(LOG_STIFFNESS), len(LOG_LEVEL)), 1.0 / (len(LOG_STIFFNESS) * len(LOG_LEVEL)))
+    def __init__(self, prior: NDArray[np.float64]) -> None:
+        """prior: of each exp(LOG_STIFFNESS), at the start and after a jump; need not sum to 1."""
+        self._prior = prior / prior.sum()
+        self.p = np.repeat(self._prior[:, None], len(LOG_LEVEL), axis=1) / len(LOG_LEVEL)
 
     def take(self, summed: NDArray[np.float64], S: NDArray[np.float64], count: int) -> None:
         """A block of `count` samples; summed: sums of nu^2 over (S G) with G left at 1, i.e. of nu^2 / S."""
@@ -115,6 +118,7 @@ class Posterior:
         cell_k, cell_l = LOG_STIFFNESS[1] - LOG_STIFFNESS[0], LOG_LEVEL[1] - LOG_LEVEL[0]
         moved_on(
             self.p,
+            self._prior,
             min(0.5 * STIFFNESS_DRIFT**2 * seconds / cell_k**2, 0.25),
             min(STIFFNESS_JUMPS * seconds, 1.0),
             min(0.5 * LEVEL_DRIFT**2 * seconds / cell_l**2, 0.25),

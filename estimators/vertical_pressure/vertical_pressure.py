@@ -37,6 +37,7 @@ from estimators.vertical_pressure.posterior import LOG_LEVEL, LOG_STIFFNESS, Pos
 SAY = 2  # blocks from one estimate to the next
 SLOWEST, FASTEST = 7.0, 90.0  # m/s
 CLASSES = "ABCD"
+PRIOR_STD, USUAL_SPEED = 0.25, 20.0  # of nominal pressure, m/s. Declared: tyres in use, leaks among them
 _MS = 1e-3
 _LEVEL = (LOG_LEVEL - np.log(1e-6)) / np.log(4.0)
 _CLASS = np.clip(np.rint(_LEVEL), 0, len(CLASSES) - 1).astype(int)
@@ -52,7 +53,7 @@ class _Wheel:
     def __init__(self, car: Car, name: str) -> None:
         self.name = name
         self.load = sum(quarter_masses(car, name)) * GRAVITY
-        self.intake, self.posterior = HubIntake(), Posterior()
+        self.intake, self.posterior = HubIntake(), Posterior(_prior(car, self.load))
         self._x = at_rest()
         self._summed: NDArray[np.float64] = np.empty(self._x.shape[:2])
 
@@ -168,6 +169,13 @@ class VerticalPressure(Estimator):
         for k, name in enumerate(CLASSES):
             p = float(min(level[k == _CLASS].sum(), 1.0))
             rows.setdefault(f"road/{name}", []).append((time, p, float(np.sqrt(p * (1.0 - p)))))
+
+
+def _prior(car: Car, load: float) -> NDArray[np.float64]:
+    """Of each exp(LOG_STIFFNESS): pressure Gaussian about nominal; cells are even in ln k, so p(k) k counts."""
+    stiffness = np.exp(LOG_STIFFNESS)
+    pressure = TyreLaw.of(car).pressure_of(stiffness, USUAL_SPEED, load)
+    return stiffness * np.exp(-0.5 * ((pressure - car.pressure) / (PRIOR_STD * car.pressure)) ** 2)
 
 
 _UNITS = {"stiffness": "N/m", "pressure": "Pa"}
