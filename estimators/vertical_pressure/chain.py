@@ -31,7 +31,7 @@ _TERMS = 13  # of the series: 0.5^13 / 13! is below rounding
 
 
 class Quarter(NamedTuple):
-    """What is identified of a corner: m_s, m_us without the belt, m_b [kg], k [N/m], c [N s/m], footprint length l [m] and
+    """What is identified of a corner: m_s, m_us without the belt, m_b [kg], k [N/m], c [N s/m], footprint l [m] and
     how it grows for softer tyres [-]; hub_error: variance of what the model does not explain in a_us, in proportion to
     level and speed, over `innovations.ERROR_UNIT`."""
 

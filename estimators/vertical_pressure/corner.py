@@ -66,4 +66,4 @@ def from_document(document: Mapping[str, Any]) -> dict[str, Corner]:
 
 def to_document(corners: Mapping[str, Corner]) -> dict[str, Any]:
     """The inverse of `from_document`."""
-    return {axle: corner.quarter._asdict() | {"stiffness_std": corner.stiffness_std} for axle, corner in corners.items()}
+    return {axle: c.quarter._asdict() | {"stiffness_std": c.stiffness_std} for axle, c in corners.items()}

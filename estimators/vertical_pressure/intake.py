@@ -22,8 +22,8 @@ PLAUSIBLE = 2e3  # m/s^2
 
 @compiled
 def bridged(value, last, silent, filled):
-    """Fills gaps of value (n,) into filled; last, silent (1,): the last good sample, ms since it. False if a gap was too
-    long to bridge."""
+    """Fills gaps of value (n,) into filled; last, silent (1,): the last good sample, ms since it. False if a gap was
+    too long to bridge."""
     whole = True
     for t in range(len(value)):
         if abs(value[t]) <= PLAUSIBLE:

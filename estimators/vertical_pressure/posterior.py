@@ -1,11 +1,11 @@
 """What the bank's likelihoods say of one wheel: a probability over stiffness and road level, both continuous.
 
 A hidden Markov model (Rabiner, Proc. IEEE 77, 1989, forward algorithm) on a grid of ln k_t (1.2 % apart) and ln G (7 %
-apart). Between the bank's nodes the log-likelihood of a block of samples is interpolated: over stiffness by cubics, over
-level by each filter's own law of the level (`innovations`), blended between its two neighbours. From block to block the
+apart). Between the bank's nodes the log-likelihood of a block of samples is interpolated: over stiffness by cubics,
+over level by each filter's own law of the level (`innovations`), blended between its two neighbours. From block to block the
 stiffness drifts (warming) and may jump (a leak, `STIFFNESS_JUMPS`), the level drifts and may jump (another road). This
-is the multiple-model estimate in which a mode is a pair of stiffness and level; the single filters need no mixing, since
-they are at rest and hear everything.
+is the multiple-model estimate in which a mode is a pair of stiffness and level; the single filters need no mixing,
+since they are at rest and hear everything.
 """
 
 from __future__ import annotations
@@ -17,16 +17,13 @@ from estimators.compiled import compiled
 from estimators.vertical_pressure.bank import LEVELS, STIFFNESSES
 
 PER_STIFFNESS, PER_LEVEL = 5, 20  # fine cells a node
-# Declared, not tuned. 0.1 % in a second: what warming does in a minute; a leak worth an alarm once in a quarter of an hour
+# Declared, not tuned. 0.1 % in a second: what warming does in a minute; a sudden leak once in a quarter of an hour
 STIFFNESS_DRIFT, STIFFNESS_JUMPS = 1e-3, 1e-3  # std of ln k_t after 1 s; a second
 # 3 % in a second: a class in ten minutes; another surface twice a minute at most
 LEVEL_DRIFT, LEVEL_JUMPS = 0.03, 0.03
-LOG_STIFFNESS = np.interp(
-    np.arange((len(STIFFNESSES) - 1) * PER_STIFFNESS + 1) / PER_STIFFNESS, np.arange(len(STIFFNESSES)), np.log(STIFFNESSES)
-)  # fmt: skip
-LOG_LEVEL = np.interp(
-    np.arange((len(LEVELS) - 1) * PER_LEVEL + 1) / PER_LEVEL, np.arange(len(LEVELS)), np.log(LEVELS)
-)  # fmt: skip
+_FIRST, _LAST = np.log(STIFFNESSES[[0, -1]])
+LOG_STIFFNESS = np.linspace(_FIRST, _LAST, (len(STIFFNESSES) - 1) * PER_STIFFNESS + 1)
+LOG_LEVEL = np.linspace(np.log(LEVELS[0]), np.log(LEVELS[-1]), (len(LEVELS) - 1) * PER_LEVEL + 1)
 
 
 def _cubic() -> NDArray[np.float64]:

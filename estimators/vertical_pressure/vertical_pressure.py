@@ -2,8 +2,8 @@
 
 Seed: Brancati & Tufano, Machines 2022, 10, 1221. Their filters are given a road that no car knows (`unscented_imm`);
 here the road is noise of unknown level, and a bank of linear filters over stiffness and level is weighted by likelihood
-(`chain`, `bank`, `posterior`), which reaches the Cramer-Rao bound (`quarter_car.bound`): about 12 % of stiffness after 2
-s, 5 % after 10 s, 2 % after a minute, for whatever car, speed and class. Estimates each `SAY` blocks (half a second):
+(`chain`, `bank`, `posterior`), which reaches the Cramer-Rao bound (`quarter_car.bound`): about 12 % of stiffness after
+2 s, 5 % after 10 s, 2 % after a minute, for whatever car, speed and class. Estimates each `SAY` blocks (half a second):
 
     WHEEL/stiffness    at the mean static load and the present speed [N/m]
     WHEEL/pressure     by the maker's tyre law, taken for exact [Pa]
