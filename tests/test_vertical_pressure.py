@@ -73,7 +73,7 @@ def test_sampling_is_the_matrix_exponential_and_keeps_the_stationary_covariance(
 
 
 def test_chain_is_the_quarter_car_behind_footprint_and_low_pass() -> None:
-    """With a stiff sidewall's light belt the hub's spectrum is `response` times the road's, the cams' and the filter."""
+    """With a light belt the hub's spectrum is `response` times the road's, the cams' and the filter."""
     frequency = np.array([0.8, 2.0, 6.0, 11.0, 20.0, 27.0])
     quarter = QUARTER._replace(unsprung_mass=60.0, belt_mass=1e-3)
     M, b, C = continuous(quarter, STIFFNESS, SPEED, *LOW)
@@ -162,7 +162,7 @@ def test_belief_of_impossible_samples_is_no_nan() -> None:
 
 
 def test_identification_finds_the_quarter_car_from_wrong_starts() -> None:
-    """From the chain's own drives, begun with a maker's numbers 10 % off: what a drive tells is found, at one optimum."""
+    """From the chain's own drives, the maker's numbers 10 % off: found, at one optimum."""
     known = [KnownDrive(y, STIFFNESS, SPEED) for y in drives(6, 60.0, 4)]
     wrong = QUARTER._replace(unsprung_mass=1.1 * QUARTER.unsprung_mass, damping=0.9 * QUARTER.damping)
     found = identify(wrong, known)

@@ -1,9 +1,9 @@
 """The bank of steady filters over stiffness and road level, for the present speed, of one axle's two wheels.
 
 Nodes: `STIFFNESSES` (6 % apart) times `LEVELS` (a factor 4 apart; what lies between is `posterior`'s). Filters depend
-on speed through the road's intensity and the footprint's delay; they are designed when the speed has moved by `SPEED_STEP`
-and kept for when it comes back. All of them hear every sample, whatever they are believed, so that the right one has
-settled when the road changes. State of each filter as in `chain`.
+on speed through the road's intensity and the footprint's delay; they are designed when the speed has moved by
+`SPEED_STEP` and kept for when it comes back. All of them hear every sample, whatever they are believed, so that the
+right one has settled when the road changes. State of each filter as in `chain`.
 """
 
 from __future__ import annotations

@@ -1,12 +1,12 @@
 """A corner's parameters from drives at known pressures: maximum innovation likelihood, bounded, from several starts.
 
 Ljung, System Identification, 2nd ed., ch. 7.4. The paper (Brancati & Tufano, Machines 2022, 10, 1221, 5.2) fits the
-course of both accelerations over a known road by a genetic algorithm; here the road is noise, as it is in a drive, and
-each drive's level is its own, solved for in closed form: what is fitted is what the estimator will use. Searched: m_s,
-m_us, k, c and the footprint, within bounds about the maker's numbers, and the model's error, whose bounds are the
-point: left free, on class D it grows until the filter believes nothing (a variance of 135 was met), a false optimum. Starts
-differ in damping, footprint and error. Kept: belt mass, and how the footprint grows for softer tyres, which a drive
-hardly tells and which would soak up the stiffness.
+course of both accelerations over a known road by a genetic algorithm; here the road is noise, as it is in a drive,
+and each drive's level is its own, solved for in closed form: what is fitted is what the estimator will use. Searched:
+m_s, m_us, k, c and the footprint, within bounds about the maker's numbers, and the model's error, whose bounds are
+the point: left free, on class D it grows until the filter believes nothing (a variance of 135 was met), a false
+optimum. Starts differ in damping, footprint and error. Kept: belt mass, and how the footprint grows for softer tyres,
+which a drive hardly tells and which would soak up the stiffness.
 """
 
 from __future__ import annotations

@@ -1,11 +1,11 @@
 """What the bank's likelihoods say of one wheel: a probability over stiffness and road level, both continuous.
 
-A hidden Markov model (Rabiner, Proc. IEEE 77, 1989, forward algorithm) on a grid of ln k_t (1.2 % apart) and ln G (7 %
-apart). Between the bank's nodes the log-likelihood of a block of samples is interpolated: over stiffness by cubics,
-over level by each filter's own law of the level (`innovations`), blended between its two neighbours. From block to block the
-stiffness drifts (warming) and may jump (a leak, `STIFFNESS_JUMPS`), the level drifts and may jump (another road). This
-is the multiple-model estimate in which a mode is a pair of stiffness and level; the single filters need no mixing,
-since they are at rest and hear everything.
+A hidden Markov model (Rabiner, Proc. IEEE 77, 1989, forward algorithm) on a grid of ln k_t (1.2 % apart) and ln G (7
+% apart). Between the bank's nodes the log-likelihood of a block of samples is interpolated: over stiffness by cubics,
+over level by each filter's own law of the level (`innovations`), blended between its two neighbours. From block to
+block the stiffness drifts (warming) and may jump (a leak, `STIFFNESS_JUMPS`), the level drifts and may jump (another
+road). This is the multiple-model estimate in which a mode is a pair of stiffness and level; the single filters need
+no mixing, since they are at rest and hear everything.
 """
 
 from __future__ import annotations
