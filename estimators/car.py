@@ -14,7 +14,11 @@ from typing import Any
 GRAVITY = 9.81  # m/s^2
 AIR_DENSITY = 1.2  # kg/m^3
 DRIVEN = ("front", "rear", "all")
-_MAY_BE_ZERO = ("drag_area", "front_wheel_inertia", "rear_wheel_inertia", "radius_sensitivity_relative_std")
+AXLES = ("front", "rear")
+_MAY_BE_ZERO = (
+    "drag_area", "front_wheel_inertia", "rear_wheel_inertia", "radius_sensitivity_relative_std",
+    "tyre_stiffness_per_speed", "tyre_stiffness_per_load",
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -39,6 +43,16 @@ class Car:
     pressure: float = 250e3  # nominal, gauge [Pa]
     radius_sensitivity: float = 4e-8  # d ln(effective radius) / d pressure [1/Pa], mean of real cars
     radius_sensitivity_relative_std: float = 0.4  # real cars spread by that much
+    front_spring_rate: float = 38e3  # at the wheel, design load [N/m], declared
+    rear_spring_rate: float = 40e3
+    front_damping: float = 3e3  # at the wheel, mean of compression and rebound [N s/m], declared
+    rear_damping: float = 3e3
+    tyre_belt_mass: float = 9.13  # what moves with the belt [kg], declared: a published tyre, scaled
+    tyre_footprint: float = 0.116  # distance of the two cams that feel the road [m], declared, same source
+    tyre_stiffness: float = 264.7e3  # vertical, at nominal pressure and rest, mean static load [N/m]
+    tyre_stiffness_per_pressure: float = 0.654  # relative, per relative change of gauge pressure
+    tyre_stiffness_per_speed: float = 2.57e-3  # relative, per m/s
+    tyre_stiffness_per_load: float = 0.083  # relative, per relative change of load; these three: declared, MF 6.1
 
     def __post_init__(self) -> None:
         if self.driven_axle not in DRIVEN:

@@ -14,7 +14,7 @@ from testbed.scenario import Scenario
 from testbed.sensors import sensor_settings
 from testbed.sensors.defaults import EDGE_NAMES
 from testbed.sensors.settings import EncoderSettings
-from testbed.simulation import Simulation, nominal_radius, radius_sensitivity
+from testbed.simulation import Simulation, nominal_radius, radius_sensitivity, tyre_footprint, tyre_law
 
 PACKAGES = ("vehicle-testbed", "mujoco", "numpy", "numba", "rerun-sdk")
 
@@ -47,6 +47,13 @@ def known_car(vehicle: Vehicle, tyre: TyreProperties, scenario: Scenario) -> Car
         drag_area=body.drag_coefficient * body.frontal_area,
         pressure=tyre.p0,
         radius_sensitivity=radius_sensitivity(tyre),
+        front_spring_rate=v.front.spring_rate,
+        rear_spring_rate=v.rear.spring_rate,
+        front_damping=0.5 * (v.front.damping_compression + v.front.damping_rebound),
+        rear_damping=0.5 * (v.rear.damping_compression + v.rear.damping_rebound),
+        tyre_belt_mass=tyre.belt_mass,
+        tyre_footprint=tyre_footprint(vehicle, tyre),
+        **tyre_law(vehicle, tyre),
     )
 
 

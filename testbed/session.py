@@ -20,6 +20,7 @@ from estimators.drive_log import WHEELS, Signal
 from estimators.faults import Injector
 from estimators.faults.truth import fault_events, sound_signals
 from estimators.runner import FLUSH, Bank
+from models.identified import identified
 from models.tyre_properties import TyreProperties
 from models.vehicle import Vehicle
 from testbed.drive_recording import DriveRecording
@@ -56,8 +57,8 @@ class Variant:
     """What a campaign changes that a scenario cannot say; None leaves it as the scenario has it.
 
     vehicle, tyre: what drives. car: what the estimators are told of it. calibrations: what they learnt of it before,
-    by estimator. only_read: sensors that no estimator reads are left out, which changes nothing for those that are
-    there.
+    by estimator, over what `models/` holds of the car. only_read: sensors that no estimator reads are left out, which
+    changes nothing for those that are there.
     """
 
     vehicle: Vehicle | None = None
@@ -87,7 +88,7 @@ class Session:
         settings = sensor_settings(scenario.sensors)
         self.simulation = Simulation(scenario, variant.vehicle, variant.tyre)
         notes = drive_notes(self.simulation, variant.car)
-        self.bank = Bank(estimators, Car.from_notes(notes), variant.calibrations)
+        self.bank = Bank(estimators, Car.from_notes(notes), {**identified(), **(variant.calibrations or {})})
         if variant.only_read:
             settings = needed(settings, self.bank.reads)
         self._faults = Injector(scenario.faults, scenario.seed, ring_teeth(scenario))

@@ -7,6 +7,7 @@ for stretch in simulation.stretches():   # about a second each, until the durati
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
@@ -70,6 +71,27 @@ def radius_sensitivity(tyre: TyreProperties) -> float:
         vertical.effective_rolling_radius(law, tyre.v0 / tyre.r0, tyre.fz0, tyre.p0 + sign * step) for sign in (-1, 1)
     )
     return float(np.log(high / low) / (2.0 * step))
+
+
+def tyre_law(vehicle: Vehicle, tyre: TyreProperties) -> dict[str, float]:
+    """The vertical stiffness law that the car's maker writes down, by the fields of `Car`: at rest, nominal pressure
+    and the mean static load, with its changes by pressure, speed and load there."""
+    law, fz, fast = vertical.vertical_law(tyre), 0.25 * vehicle.mass * GRAVITY, 80.0 / 3.6
+    rest = vertical.mean_stiffness(law, tyre.p0, 0.0, fz)
+    low, high = (vertical.mean_stiffness(law, (1.0 + share) * tyre.p0, 0.0, fz) for share in (-0.4, 0.0))
+    loaded = vertical.mean_stiffness(law, tyre.p0, 0.0, 1.1 * fz)
+    return {
+        "tyre_stiffness": rest,
+        "tyre_stiffness_per_pressure": (high - low) / (0.4 * rest),
+        "tyre_stiffness_per_speed": (vertical.mean_stiffness(law, tyre.p0, fast / tyre.r0, fz) / rest - 1.0) / fast,
+        "tyre_stiffness_per_load": math.log(loaded / rest) / math.log(1.1),
+    }
+
+
+def tyre_footprint(vehicle: Vehicle, tyre: TyreProperties) -> float:
+    """Distance of the enveloping cams at the mean static load and nominal pressure [m]."""
+    fz = 0.25 * vehicle.mass * GRAVITY
+    return float(2.0 * tyre.ellips_shift * vertical.contact_half_length(vertical.vertical_law(tyre), 1.0, fz))
 
 
 class Simulation:

@@ -13,8 +13,10 @@ from dataclasses import asdict, dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from estimators.car import AIR_DENSITY, Car
+from estimators.car import AIR_DENSITY, GRAVITY, Car
 from estimators.drive_log import WHEELS, DriveLog, Signal
+from estimators.quarter_car.quarter_car import QuarterCar, quarter_masses, ride
+from estimators.quarter_car.road_shape import class_spectrum, synthesised
 from estimators.wheel_radius.traction import axle_loads
 
 RATE = 100.0  # Hz
@@ -43,9 +45,10 @@ def drive(
     compliance: NDArray[np.float64] | float = 0.034,
     noise: Noise = QUIET,
     seed: int = 0,
+    hubs: bool = False,
 ) -> DriveLog:
     """A log at 100 Hz. speed: rear axle [m/s], shape (n,); radius_change: relative, (4,) or (n, 4); compliance: 1/k, a
-    number or (n,); curvature [1/m].
+    number or (n,); curvature [1/m]; hubs: hub accelerations too, at 1 kHz, of quarter cars on a class B road.
     """
     car = car or Car()
     rng = np.random.default_rng(seed)
@@ -75,6 +78,8 @@ def drive(
         measured = car.pressure + noise.pressure * rng.standard_normal(len(speed))
         signals[f"tyre/{wheel}/pressure"] = Signal(time, measured, "Pa")
         signals[f"tyre/{wheel}/temperature"] = Signal(time, np.full(len(speed), 293.15), "K")
+    if hubs:
+        signals |= hub_signals(car, speed, seed)
     signals["truth/fl/radius"] = Signal(time, radii[:, 0], "m")
     return DriveLog(signals, {"car": asdict(car)})
 
@@ -89,6 +94,24 @@ def tooth_edges(time: NDArray[np.float64], omega: NDArray[np.float64], seed: int
     edge = number + ring[number.astype(int) % teeth]
     edge = edge[(edge > angle[0]) & (edge < angle[-1])]
     return Signal(np.sort(np.interp(edge, angle, time)), np.arange(1.0, len(edge) + 1.0))
+
+
+def hub_signals(car: Car, speed: NDArray[np.float64], seed: int) -> dict[str, Signal]:
+    """`hub/WHEEL/accel_z`: linear quarter cars at nominal pressure, each on a class B road of its own."""
+    spacing, step = 0.01, 1e-3
+    instants = np.arange(2 * len(speed) * round(1.0 / (RATE * step)) - 1) * 0.5 * step
+    way = np.interp(instants, (np.arange(len(speed) + 1)) / RATE, np.concatenate([[0.0], np.cumsum(speed) / RATE]))
+    signals = {}
+    for i, wheel in enumerate(WHEELS):
+        rng = np.random.default_rng([seed, i])
+        road = synthesised(class_spectrum("B"), 1.0, spacing, round(way[-1] / spacing) + 2, rng)
+        sprung, unsprung = quarter_masses(car, wheel)
+        quarter = QuarterCar(sprung, unsprung, car.front_spring_rate, 0.0, car.front_damping, 0.0)
+        heights = np.interp(way, spacing * np.arange(len(road)), road)
+        _, felt = ride(quarter, heights, car.tyre_stiffness, step)
+        value = felt[:, 1] + GRAVITY + 0.5 * rng.standard_normal(len(felt))
+        signals[f"hub/{wheel}/accel_z"] = Signal(step * np.arange(len(felt)), value, "m/s^2")
+    return signals
 
 
 def contact_speeds(car: Car, speed: NDArray[np.float64], curvature: NDArray[np.float64] | float) -> NDArray[np.float64]:

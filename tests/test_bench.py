@@ -13,6 +13,7 @@ import pytest
 from rich.console import Console
 
 from testbed.bench import __main__ as bench
+from testbed.bench.filter_bank import filter_bank_cost
 from testbed.bench.loop_cost import HELD, bare_steps, loop_cost
 from testbed.native import address
 from testbed.scenario import Scenario
@@ -45,6 +46,12 @@ def test_every_figure_is_measured_and_possible(figures: dict[str, float]) -> Non
 
 def test_loop_costs_at_most_its_bar() -> None:
     assert loop_cost(10).ratio < SLACK * bench.BARS["loop_over_mj_step"][1]
+
+
+def test_compiled_filter_bank_keeps_its_bars() -> None:
+    cost = filter_bank_cost(100, 3)
+    assert cost.speedup > bench.BARS["imm_over_filterpy_speedup"][1] / SLACK
+    assert cost.share < SLACK * bench.BARS["imm_four_wheels_cpu_share"][1]
 
 
 def test_bare_steps_are_mujocos_own() -> None:

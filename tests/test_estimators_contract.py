@@ -23,7 +23,7 @@ EACH = pytest.mark.parametrize("name", NAMES)
 def log() -> DriveLog:
     """20 s with a stop at the start, noise and a curve; long enough for every method to say something."""
     speed = np.concatenate([np.zeros(300), np.linspace(0.0, 14.0, 500), varied_speed(12.0, 15.0, 1.0)])
-    return drive(speed, curvature=2e-4, noise=Noise(), seed=3)
+    return drive(speed, curvature=2e-4, noise=Noise(), seed=3, hubs=True)
 
 
 def edited(change: Callable[[str, Signal], Signal | None]) -> DriveLog:
@@ -204,7 +204,7 @@ def test_outputs_share_no_memory_with_inputs(name: str) -> None:
 def test_a_calibration_survives_the_way_there_and_back(name: str) -> None:
     kind = registered()[name]
     learnt = kind(Car())
-    learnt.update(drive(varied_speed(140.0), noise=Noise(), seed=1).visible(), 150.0)
+    learnt.update(drive(varied_speed(140.0), noise=Noise(), seed=1, hubs=True).visible(), 150.0)
     document = learnt.calibration()
     if document is None:
         pytest.skip(f"{name} learns no calibration")

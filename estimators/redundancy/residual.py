@@ -35,10 +35,10 @@ def limit(sigma: float, threshold: float) -> float:
 def faulty(deviation: ArrayLike, sigma: float, threshold: float) -> NDArray[np.bool_]:
     """The seed's decision C for deviations d, shape (n,)."""
     size: NDArray[np.float64] = np.atleast_1d(np.abs(transformed(deviation, sigma)))
-    return np.asarray(size > threshold, dtype=np.bool_)
+    return size > threshold
 
 
 def any_measurement(decisions: NDArray[np.bool_]) -> NDArray[np.bool_]:
     """A source is faulty where it is in any of the measurements, shape (measurements, n) -> (n,). Equation 1 writes a
     product, which would ask for all of them."""
-    return decisions.any(axis=0)
+    return np.asarray(decisions.any(axis=0), dtype=np.bool_)

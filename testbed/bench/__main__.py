@@ -32,6 +32,7 @@ class Effort:
     thread_drive: float
     campaign_drives: int
     repetitions: int
+    filterpy_samples: int = 300
 
 
 FULL = Effort(loop_seconds=60, drive=60.0, thread_drive=120.0, campaign_drives=6, repetitions=5)
@@ -50,6 +51,8 @@ BARS: dict[str, tuple[str, float, str]] = {
     "campaign_overhead": ("<=", 0.10, "over bare drives"),
     "two_process_speedup": (">=", 1.8, "processes warm"),
     "itpms_cpu_share": ("<=", 0.02, "of one core, real time"),
+    "imm_over_filterpy_speedup": (">=", 50.0, "aim 100"),
+    "imm_four_wheels_cpu_share": ("<=", 0.10, "1 kHz, aim 0.05"),
 }
 
 
@@ -60,6 +63,7 @@ def measure(effort: Effort) -> dict[str, float]:
     process = process_cost(WHOLE_DRIVE, effort.repetitions)
     from testbed.bench.campaigns import campaign_cost
     from testbed.bench.drives import drive_speed, two_thread_speedups
+    from testbed.bench.filter_bank import filter_bank_cost
     from testbed.bench.itpms_cost import itpms_cpu_share
     from testbed.bench.loop_cost import loop_cost
 
@@ -67,6 +71,7 @@ def measure(effort: Effort) -> dict[str, float]:
     speed = drive_speed(effort.drive, effort.repetitions)
     threads, bare_threads = two_thread_speedups(effort.thread_drive, effort.repetitions)
     campaigns = campaign_cost(effort.drive, effort.campaign_drives, effort.repetitions)
+    filters = filter_bank_cost(effort.filterpy_samples, effort.repetitions)
     return {
         "loop_over_mj_step": loop.ratio,
         "realtime_factor": speed.sensors,
@@ -78,6 +83,8 @@ def measure(effort: Effort) -> dict[str, float]:
         "campaign_overhead": campaigns.overhead,
         "two_process_speedup": campaigns.speed_up,
         "itpms_cpu_share": itpms_cpu_share(effort.drive, effort.repetitions),
+        "imm_over_filterpy_speedup": filters.speedup,
+        "imm_four_wheels_cpu_share": filters.share,
         "loop_step_us": 1e6 * loop.loop_step,
         "mj_step_us": 1e6 * loop.bare_step,
         "bare_thread_speedup": bare_threads,

@@ -1,0 +1,186 @@
+"""Estimator `vertical_pressure`: vertical stiffness and pressure of each tyre from its hub's acceleration, on any road.
+
+Seed: Brancati & Tufano, Machines 2022, 10, 1221. Their filters are given a road that no car knows (`unscented_imm`);
+here the road is noise of unknown level, and a bank of linear filters over stiffness and level is weighted by likelihood
+(`chain`, `bank`, `posterior`), which reaches the Cramer-Rao bound (`quarter_car.bound`): about 12 % of stiffness after
+2 s, 5 % after 10 s, 2 % after a minute, for whatever car, speed and class. Estimates each `SAY` blocks (half a second):
+
+    WHEEL/stiffness    at the mean static load and the present speed [N/m]
+    WHEEL/pressure     by the maker's tyre law, taken for exact [Pa]
+    WHEEL/road_level   log4 of G(1 rad/m) over 1e-6 m^3/rad: 0 is the middle of ISO 8608 class A, 1 of B, 3 of D [-]
+    road/A ... road/D  probability of each class, mean of the wheels; A and D with what lies beyond [-]
+
+The std holds a relative share that no driving removes (`corner`). Says nothing below `SLOWEST`, where the road's short
+waves are shorter than the footprint. Body acceleration is not used (`innovations`). What it cannot see: payload moves
+pressure by 1 kPa for 10 % of load; the sensor's scale error does not matter.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from estimators.car import AXLES, GRAVITY, Car
+from estimators.drive_log import WHEELS, Signal
+from estimators.estimator import Estimate, Estimator, Outputs
+from estimators.grid import LATENCY, Cells, Channel, Grid
+from estimators.quarter_car.quarter_car import quarter_masses
+from estimators.quarter_car.tyre_law import TyreLaw
+from estimators.vertical_pressure.bank import AxleBank, at_rest, hear
+from estimators.vertical_pressure.corner import Corner, from_document, maker_corner, to_document
+from estimators.vertical_pressure.intake import BLOCK, HubIntake
+from estimators.vertical_pressure.posterior import LOG_LEVEL, LOG_STIFFNESS, Posterior, moments
+
+SAY = 2  # blocks from one estimate to the next
+SLOWEST, FASTEST = 7.0, 90.0  # m/s
+CLASSES = "ABCD"
+PRIOR_STD, USUAL_SPEED = 0.25, 20.0  # of nominal pressure, m/s. Declared: tyres in use, leaks among them
+_MS = 1e-3
+_LEVEL = (LOG_LEVEL - np.log(1e-6)) / np.log(4.0)
+_CLASS = np.clip(np.rint(_LEVEL), 0, len(CLASSES) - 1).astype(int)
+CHANNELS = (
+    *(Channel(f"hub/{wheel}/accel_z") for wheel in WHEELS),
+    *(Channel(f"wheel/{wheel}/speed") for wheel in WHEELS),
+)
+
+
+class _Wheel:
+    """One tyre: its samples, filters and what they are believed."""
+
+    def __init__(self, car: Car, name: str) -> None:
+        self.name = name
+        self.load = sum(quarter_masses(car, name)) * GRAVITY
+        self.intake, self.posterior = HubIntake(), Posterior(_prior(car, self.load))
+        self._x = at_rest()
+        self._summed: NDArray[np.float64] = np.empty(self._x.shape[:2])
+
+    def step(self, value: NDArray[np.float64], bank: AxleBank, speed: float) -> None:
+        """A block of 1 kHz samples; speed [m/s], NaN or out of range: only time passes."""
+        self.posterior.pass_time(BLOCK * _MS)
+        samples = self.intake.block(value)
+        if samples is None or not SLOWEST <= speed <= FASTEST:
+            self._x[:] = 0.0
+            self.intake.restart()
+            return
+        A, c, K, S = bank.at(speed)
+        hear(A, c, K, S, samples, self._x, self._summed)
+        if self.intake.settling > 0:
+            self.intake.settling -= len(samples)
+            return
+        self.posterior.take(self._summed, S, len(samples))
+
+
+class VerticalPressure(Estimator):
+    """Four wheels side by side."""
+
+    name = "vertical_pressure"
+    requires = tuple(channel.signal for channel in CHANNELS)
+    reads = requires
+
+    def __init__(self, car: Car) -> None:
+        super().__init__(car)
+        self._law = TyreLaw.of(car)
+        self._grid = Grid(CHANNELS, _MS)
+        self._wheels = tuple(_Wheel(car, name) for name in WHEELS)
+        self._heard = np.zeros(len(CHANNELS), dtype=bool)
+        self._waiting: list[Cells] = []
+        self._next: int | None = None
+        self._identified: dict[str, Corner] | None = None
+        self._use({axle: maker_corner(car, axle) for axle in AXLES})
+
+    def _use(self, corners: Mapping[str, Corner]) -> None:
+        self._corners = corners
+        self._banks = {axle: AxleBank(corner.quarter) for axle, corner in corners.items()}
+
+    def use_calibration(self, document: Mapping[str, Any]) -> None:
+        """The identified corners, see `corner`."""
+        self._identified = from_document(document)
+        self._use(self._identified)
+
+    def calibration(self) -> dict[str, Any] | None:
+        """What it was given: corners are identified at known pressures, not on any drive."""
+        return None if self._identified is None else to_document(self._identified)
+
+    def update(self, samples: Mapping[str, Signal], until: float) -> Outputs:
+        """See `Estimator.update`."""
+        flags = self._grid.add(samples)
+        cells, more = self._grid.close(until)
+        if len(cells.index):
+            self._waiting.append(cells)
+        closed = int(np.floor((until - LATENCY) / _MS + 1e-6)) // BLOCK
+        rows: dict[str, list[tuple[float, float, float]]] = {}
+        for block, values in self._blocks(closed):
+            self._step(block, values)
+            if block % SAY == SAY - 1 and self._heard.all():
+                self._say((block + 1) * BLOCK * _MS, self._speed(values), rows)
+        return Outputs({name: _estimate(name, row) for name, row in rows.items()}, (), tuple(sorted([*flags, *more])))
+
+    def _blocks(self, closed: int) -> list[tuple[int, NDArray[np.float64]]]:
+        """Whole blocks before `closed` that hold samples: number, values (BLOCK, channels)."""
+        if not self._waiting:
+            return []
+        index = np.concatenate([cells.index for cells in self._waiting])
+        value = np.concatenate([cells.value for cells in self._waiting])
+        number = index // BLOCK
+        ready = number < closed
+        self._waiting = [Cells(index[~ready], index[~ready] * _MS, value[~ready])] if (~ready).any() else []
+        found = []
+        for block in np.unique(number[ready]).tolist():
+            inside = number == block
+            values = np.full((BLOCK, len(CHANNELS)), np.nan)
+            values[index[inside] - block * BLOCK] = value[inside]
+            found.append((block, values))
+        return found
+
+    def _step(self, block: int, values: NDArray[np.float64]) -> None:
+        missed = 0 if self._next is None else block - self._next
+        self._next = block + 1
+        self._heard |= np.isfinite(values).any(axis=0)
+        speed = self._speed(values)
+        for i, wheel in enumerate(self._wheels):
+            if missed > 0:
+                wheel.intake.skip()
+                wheel.posterior.pass_time(missed * BLOCK * _MS)
+            wheel.step(values[:, i], self._banks[AXLES[i // 2]], speed)
+
+    def _speed(self, values: NDArray[np.float64]) -> float:
+        """Of the car in a block [m/s], NaN if no wheel tells: the median of the wheels, which no single one moves."""
+        wheels = values[:, 4:]
+        means = [float(np.mean(w[np.isfinite(w)])) for w in wheels.T if np.isfinite(w).any()]
+        return float(np.median(means)) * self.car.rolling_radius if means else float("nan")
+
+    def _say(self, time: float, speed: float, rows: dict[str, list[tuple[float, float, float]]]) -> None:
+        rolling = speed if SLOWEST <= speed <= FASTEST else SLOWEST
+        for i, wheel in enumerate(self._wheels):
+            believed = wheel.posterior.stiffness()
+            share = self._corners[AXLES[i // 2]].stiffness_std
+            stiffness = np.exp(LOG_STIFFNESS)
+            mean, std = moments(believed, stiffness)
+            rows.setdefault(f"{wheel.name}/stiffness", []).append((time, mean, float(np.hypot(std, share * mean))))
+            pressure = self._law.pressure_of(stiffness, rolling, wheel.load)
+            mean_p, std_p = moments(believed, pressure)
+            systematic = float(self._law.pressure_std(share * mean, rolling, wheel.load))
+            rows.setdefault(f"{wheel.name}/pressure", []).append((time, mean_p, float(np.hypot(std_p, systematic))))
+            rows.setdefault(f"{wheel.name}/road_level", []).append((time, *moments(wheel.posterior.level(), _LEVEL)))
+        level = np.mean([wheel.posterior.level() for wheel in self._wheels], axis=0)
+        for k, name in enumerate(CLASSES):
+            p = float(min(level[k == _CLASS].sum(), 1.0))
+            rows.setdefault(f"road/{name}", []).append((time, p, float(np.sqrt(p * (1.0 - p)))))
+
+
+def _prior(car: Car, load: float) -> NDArray[np.float64]:
+    """Of each exp(LOG_STIFFNESS): pressure Gaussian about nominal; cells are even in ln k, so p(k) k counts."""
+    stiffness = np.exp(LOG_STIFFNESS)
+    pressure = TyreLaw.of(car).pressure_of(stiffness, USUAL_SPEED, load)
+    return stiffness * np.exp(-0.5 * ((pressure - car.pressure) / (PRIOR_STD * car.pressure)) ** 2)
+
+
+_UNITS = {"stiffness": "N/m", "pressure": "Pa"}
+
+
+def _estimate(name: str, rows: list[tuple[float, float, float]]) -> Estimate:
+    table = np.array(rows)
+    return Estimate(table[:, 0].copy(), table[:, 1].copy(), table[:, 2].copy(), _UNITS.get(name.rsplit("/", 1)[-1], ""))

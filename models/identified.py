@@ -1,0 +1,18 @@
+"""What was identified of the car in this folder on drives at known pressures: calibrations that its drives start from.
+
+`suv_quarter_cars.json`: the quarter car of each axle for the estimator `vertical_pressure`, written by `python -m
+testbed.identify_quarter_cars`; fields and units in `estimators/vertical_pressure/chain.py`.
+"""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+QUARTER_CARS = Path(__file__).with_name("suv_quarter_cars.json")
+
+
+def identified() -> dict[str, dict[str, Any]]:
+    """Calibrations by estimator."""
+    return {"vertical_pressure": json.loads(QUARTER_CARS.read_text(encoding="utf-8"))}
