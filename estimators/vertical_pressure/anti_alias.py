@@ -1,6 +1,6 @@
 """From 1 kHz to 62.5 Hz: a steep low-pass at 28 Hz, a slow high-pass, every sixteenth sample.
 
-Elliptic low-pass of order 5 (0.1 dB ripple to 28 Hz, 45 dB down from 41 Hz). The edge stands close to half the new
+Elliptic low-pass of order 5 (0.1 dB ripple to 28 Hz, 45 dB down from 45 Hz). The edge stands close to half the new
 rate on purpose: noise that the filters believe to be white must not have an empty band (at 100 Hz with this edge, 44
 % of the band held nothing, and k_t came out 30 % high). Above 28 Hz there is little to learn: the bound for unknown
 road level is 5.59 % after 10 s with 28 Hz, 5.49 % with 36, 5.44 % with 50, while footprint and belt are known the
