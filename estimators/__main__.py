@@ -20,7 +20,7 @@ from estimators.car import Car
 from estimators.drive_log import DriveLog
 from estimators.faults import FORM, inject
 from estimators.registry import registered
-from estimators.runner import Bank, run_bank
+from estimators.runner import Bank, calibrations_of, run_bank
 
 EPILOG = f"Instead of LOG a command with options of its own: {design_cusum.NAME}."
 COMMANDS = {design_cusum.NAME: design_cusum.run}
@@ -61,12 +61,12 @@ def run_on_log(options: argparse.Namespace, console: Console) -> None:
     if options.json:
         check_writable(options.json)
 
-    calibrations = read_calibration(options.calibration) if options.calibration else None
+    calibrations = read_calibration(options.calibration) if options.calibration else {}
     log = read_log(options.log, options.column_map)
     car = Car.from_notes(log.notes)
     if options.car:
         car = Car.from_notes({"car": asdict(car) | read_json_object(options.car)})
-    bank = Bank(options.names or None, car, calibrations)
+    bank = Bank(options.names or None, car, {**calibrations_of(log.notes), **calibrations})
     if options.fault:
         log = inject(log, options.fault, fault_seed(options.fault_seed, log), car.ring_teeth)
     present = usable_signals(log)

@@ -94,7 +94,16 @@ def run(log: DriveLog, names: Iterable[str] | None = None, stretch: float = 1.0)
     """Run the named estimators (all if None) over a log, cut into stretches [s]; estimates, alarms and flags as
     signals.
     """
-    return run_bank(Bank(names, Car.from_notes(log.notes)), log, stretch)
+    return run_bank(Bank(names, Car.from_notes(log.notes), calibrations_of(log.notes)), log, stretch)
+
+
+def calibrations_of(notes: Mapping[str, Any]) -> Mapping[str, Mapping[str, Any]]:
+    """What the estimators of a recorded drive started from, by name; nothing where the notes are silent. ValueError in
+    one line if it makes no sense."""
+    found = notes.get("calibrations", {})
+    if not isinstance(found, Mapping) or not all(isinstance(entry, Mapping) for entry in found.values()):
+        raise ValueError(f"notes['calibrations'] is {found!r}, valid: a calibration by estimator name")
+    return found
 
 
 def run_bank(bank: Bank, log: DriveLog, stretch: float = 1.0) -> dict[str, Signal]:

@@ -4,10 +4,12 @@ with."""
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Mapping
 from importlib.metadata import version
 from typing import Any
 
 from estimators.car import Car
+from models.identified import identified
 from models.tyre_properties import TyreProperties
 from models.vehicle import Vehicle
 from testbed.scenario import Scenario
@@ -57,11 +59,15 @@ def known_car(vehicle: Vehicle, tyre: TyreProperties, scenario: Scenario) -> Car
     )
 
 
-def drive_notes(simulation: Simulation, car: Car | None = None) -> dict[str, Any]:
-    """JSON values. car: what the estimators are told, None for the car that drives."""
+def drive_notes(
+    simulation: Simulation, car: Car | None = None, calibrations: Mapping[str, Mapping[str, Any]] | None = None
+) -> dict[str, Any]:
+    """JSON values. car: what the estimators are told, None for the car that drives; calibrations: what they start from,
+    over what `models/` holds of the car."""
     car = car or known_car(simulation.vehicle, simulation.tyre, simulation.scenario)
     return {
         "scenario": simulation.scenario.as_notes(),
         "car": dataclasses.asdict(car),
+        "calibrations": {**identified(), **(calibrations or {})},
         "versions": {name: version(name) for name in PACKAGES},
     }

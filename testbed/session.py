@@ -20,7 +20,6 @@ from estimators.drive_log import WHEELS, Signal
 from estimators.faults import Injector
 from estimators.faults.truth import fault_events, sound_signals
 from estimators.runner import FLUSH, Bank
-from models.identified import identified
 from models.tyre_properties import TyreProperties
 from models.vehicle import Vehicle
 from testbed.drive_recording import DriveRecording
@@ -87,8 +86,8 @@ class Session:
         """estimators: names, None for all. ValueError for anything in the scenario that is not valid."""
         settings = sensor_settings(scenario.sensors)
         self.simulation = Simulation(scenario, variant.vehicle, variant.tyre)
-        notes = drive_notes(self.simulation, variant.car)
-        self.bank = Bank(estimators, Car.from_notes(notes), {**identified(), **(variant.calibrations or {})})
+        notes = drive_notes(self.simulation, variant.car, variant.calibrations)
+        self.bank = Bank(estimators, Car.from_notes(notes), notes["calibrations"])
         if variant.only_read:
             settings = needed(settings, self.bank.reads)
         self._faults = Injector(scenario.faults, scenario.seed, ring_teeth(scenario))

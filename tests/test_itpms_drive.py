@@ -47,7 +47,7 @@ def bus(scenario: Scenario) -> DriveLog:
 
 def car() -> Car:
     simulation = Simulation(Scenario(duration=0.01))
-    return known_car(simulation.vehicle, simulation.tyre, "front")
+    return known_car(simulation.vehicle, simulation.tyre, simulation.scenario)
 
 
 @cache

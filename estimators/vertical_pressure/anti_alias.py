@@ -1,12 +1,14 @@
 """From 1 kHz to 62.5 Hz: a steep low-pass at 28 Hz, a slow high-pass, every sixteenth sample.
 
-Elliptic low-pass of order 5 (0.1 dB ripple to 28 Hz, 45 dB down from 41 Hz). The edge stands close to half the new
+Elliptic low-pass of order 5 (0.1 dB ripple to 28 Hz, 45 dB down from 45 Hz). The edge stands close to half the new
 rate on purpose: noise that the filters believe to be white must not have an empty band (at 100 Hz with this edge, 44
 % of the band held nothing, and k_t came out 30 % high). Above 28 Hz there is little to learn: the bound for unknown
 road level is 5.59 % after 10 s with 28 Hz, 5.49 % with 36, 5.44 % with 50, while footprint and belt are known the
 less the shorter the waves. A first-order high-pass at 0.25 Hz takes gravity, bias and slopes of the road out. Both
-run at the sensors' rate and are begun at rest on the first sample. `analogue` is the low-pass as the filters' model
-has it; the discrete one is its bilinear image, prewarped at its edge. Left out of the model: the high-pass.
+run at the sensors' rate and are begun at rest, under gravity alone: begun on the first sample, what the road did in
+that instant would take seconds to be forgotten, and look like a soft tyre on a rough road. `analogue` is the low-pass
+as the filters' model has it; the discrete one is its bilinear image, prewarped at its edge. Left out of the model:
+the high-pass.
 """
 
 from __future__ import annotations
@@ -17,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import bilinear_zpk, ellip, zpk2sos, zpk2ss
 
+from estimators.car import GRAVITY
 from estimators.compiled import compiled
 
 RATE = 1000  # Hz of the sensors
@@ -62,7 +65,7 @@ def decimate(sos, value, phase, begun, level, memory, out):
         for c in range(value.shape[1]):
             x = value[t, c]
             if begun[c] == 0.0:
-                begun[c], level[c] = 1.0, x
+                begun[c], level[c] = 1.0, GRAVITY
             level[c] = _KEEPS * level[c] + (1.0 - _KEEPS) * x
             y = x - level[c]
             for s in range(sos.shape[0]):
