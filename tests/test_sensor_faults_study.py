@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from testbed.campaign.parts import Parts
 from testbed.study.registry import find_study
 from testbed.study.sensor_faults.cases import BAR
 from testbed.study.sensor_faults.drives import scenario
@@ -15,9 +16,11 @@ from testbed.study.sensor_faults.paper import broken
 
 
 @pytest.fixture(scope="module")
-def row() -> dict[str, Any]:
-    study = find_study("sensor-faults")
-    return study.work(study.tasks(1, 0, True)[0])
+def row(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
+    """As it comes back from disk."""
+    study, parts = find_study("sensor-faults"), Parts(tmp_path_factory.mktemp("study"))
+    parts.write("row", study.work(study.tasks(1, 0, True)[0]))
+    return parts.read(["row"])[0]["row"]
 
 
 def test_a_repetition_gives_every_row_that_is_asked_for_and_the_figures(row) -> None:

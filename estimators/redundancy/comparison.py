@@ -33,7 +33,7 @@ LEARNING = 100  # cells at the start of which nothing is judged: 5 s
 UNKNOWN = 1e4  # variance of q before a cell, in its unit squared: far more than it can be
 FORGET = 0.98  # per cell: the adaptive noise remembers 2.5 s
 OUTLIER = 9.0  # of the noise's variance: a larger square counts as that much
-CALM = 1.0  # |x| smoothed, below which a source is in order
+CALM = 1.5  # |x| smoothed, below which a source is in order; the mean of sound ones is 0.8
 CALM_CELLS = 60  # for so long before it is believed again: 3 s
 SMOOTH = 0.9  # of |x|, per cell
 LARGEST = 1e3  # |x| counted at the most: a wild sample may not take hours to forget
@@ -200,9 +200,10 @@ def step(memory, y, h, r, walk, adaptive, drift, threshold, x, said):
         if memory.accused[i] > 0.0:
             memory.calm[i] = memory.calm[i] + 1.0 if memory.smooth[i] < CALM else 0.0
             continue
-        memory.statistic[i, 0] = min(max(memory.statistic[i, 0] + x[i] - drift, 0.0), 2.0 * threshold[i])
-        memory.statistic[i, 1] = min(max(memory.statistic[i, 1] - x[i] - drift, 0.0), 2.0 * threshold[i])
-        g = max(memory.statistic[i, 0], memory.statistic[i, 1]) / threshold[i]
+        up = max(memory.statistic[i, 0] + x[i] - drift, 0.0)
+        down = max(memory.statistic[i, 1] - x[i] - drift, 0.0)
+        memory.statistic[i, 0], memory.statistic[i, 1] = min(up, 2.0 * threshold[i]), min(down, 2.0 * threshold[i])
+        g = max(up, down) / threshold[i]
         if g > largest:
             worst, largest = i, g
     if worst >= 0 and used < 3:

@@ -123,10 +123,10 @@ def follow(c, state, limits, index, cells, stuck, said):
         )  # fmt: skip
         row[GRADE] += state.force.theta[2] + state.force.theta[3] * state.past.lagged[2]
         row[GRADE_VARIANCE] = state.force.spread[2, 2]
+        if math.isfinite(v) and v > 0.0:
+            _wheels(c, state, cell, v, turn if math.isfinite(turn) else 0.0)
+            state.cells[0] += 1
         row[WHEEL] = -1.0
         for event in (row[YAW_EVENT], row[FORCE_EVENT]):
             if event == 1.0 or event == 2.0:
                 row[WHEEL] = suspect(state, 0 if event == 1.0 else 2)
-        if math.isfinite(v) and v > 0.0:
-            _wheels(c, state, cell, v, turn if math.isfinite(turn) else 0.0)
-            state.cells[0] += 1

@@ -41,4 +41,4 @@ def faulty(deviation: ArrayLike, sigma: float, threshold: float) -> NDArray[np.b
 def any_measurement(decisions: NDArray[np.bool_]) -> NDArray[np.bool_]:
     """A source is faulty where it is in any of the measurements, shape (measurements, n) -> (n,). Equation 1 writes a
     product, which would ask for all of them."""
-    return np.asarray(decisions.any(axis=0), dtype=np.bool_)
+    return np.logical_or.reduce(decisions, axis=0)

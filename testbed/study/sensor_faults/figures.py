@@ -30,7 +30,7 @@ def figures(rows: Sequence[Row]) -> dict[str, Figure]:
     drawn["figure-9"] = _residuals(e, None, (0.1, 0.2))
     drawn |= {f"figure-{n}": _residuals(e, fault, (ONE_SIGMA,)) for n, fault in RESIDUALS.items()}
     drawn["figure-14"] = _sensitivity(e)
-    if first["roc"]:
+    if "roc" in first:
         drawn["figure-15"] = _roc(first["roc"])
     return drawn
 

@@ -1,6 +1,6 @@
 """A repetition: one drive, heard sound to its end, and trials that branch off it.
 
-Row: manoeuvre, road, hours; alarms: [time s, text] on the sound drive; trials: as of `cases.trial`, with the speed
+Row: manoeuvre, road, hours; alarms: time [s] and text, on the sound drive; trials: as of `cases.trial`, with the speed
 [m/s] and the share of the watched time in which the engine drives; published: false alarms of the seed's own
 thresholds; and of repetition 0, on an even road, its Table 1, the rated candidates for Tables 3 and 4, the curves of
 Figure 15."""
@@ -41,7 +41,8 @@ def run(task: dict[str, Any]) -> dict[str, Any]:
             for case in (*BAR, *others):
                 found = trial(estimator, drive.stretches, number, start, case, random, asked.seed)
                 trials.append(found | {"speed": _speed(stretch), "driving": _driving(stretch)})
-        alarms += [[alarm.time, alarm.text] for alarm in estimator.update(stretch, number + 1.0).alarms]
+        said = estimator.update(stretch, number + 1.0)
+        alarms += [{"time": alarm.time, "text": alarm.text} for alarm in said.alarms]
     row = {
         "manoeuvre": asked.manoeuvre, "road": asked.road, "hours": asked.duration / 3600.0, "alarms": alarms,
         "trials": trials, "published": paper.false_alarms(paper.record(drive)),
@@ -63,6 +64,5 @@ def _paper(asked: Scenario, small: bool) -> dict[str, Any]:
     of = paper.record(driven(even))
     rated = [dataclasses.asdict(candidate) for candidate in paper.candidates(of)]
     example = {name: getattr(of, name).tolist() for name in ("time", "said", "yaw", "truth")}
-    return {
-        "table_1": paper.table_1(of), "candidates": rated, "roc": {} if small else paper.roc(of), "example": example,
-    }  # fmt: skip
+    row = {"table_1": paper.table_1(of), "candidates": rated, "example": example}
+    return row if small else row | {"roc": paper.roc(of)}
