@@ -36,7 +36,7 @@ SENSORS = {
     "torque": "driveline/torque",
 }
 WIDEST_YAW, WIDEST_ACCELERATION = 2.0, 10.0  # std where nothing is known
-RATE = f"false alarms: one in {HOURS:g} h"
+RATE = f"designed for one false alarm in {HOURS:g} h"
 
 
 class Redundancy(Estimator):
