@@ -56,10 +56,10 @@ def check_declaration(kind: type[Estimator]) -> None:
 
 
 def select(names: Iterable[str] | None = None) -> dict[str, type[Estimator]]:
-    """The named estimators, all if None. ValueError lists the valid names."""
+    """The named estimators; if None all but those that want to be named. ValueError lists the valid names."""
     known = registered()
     if names is None:
-        return known
+        return {name: kind for name, kind in known.items() if not kind.opt_in}
     for name in names:
         if name not in known:
             raise ValueError(f"no estimator {name!r}, valid: {', '.join(known)}")

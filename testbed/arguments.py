@@ -227,7 +227,7 @@ def drive_parser() -> Parser:
     add("--seed", default="0", help="of road and sensors (default %(default)s)")
     add("--car-seed", help="of what differs from one sensor to the next of its kind (default: as --seed)")
     add("--sensors", metavar="FILE", help='JSON that overrides sensor settings, such as {"imu/gyro": {"noise": 0.001}}')
-    add("--estimators", metavar="NAMES", help="by commas; default all; none for no estimator")
+    add("--estimators", metavar="NAMES", help="by commas; default all that keep their rate; none for no estimator")
     add("--calibration", metavar="FILE", help="start from what the estimators learnt: the --json of an earlier drive")
     add("--scenario", metavar="FILE", help="JSON of a saved scenario; the other options of the drive are then not read")
     add("--out", metavar="FILE.rrd", help="the recording (default recordings/ROAD.rrd)")

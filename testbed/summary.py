@@ -101,10 +101,7 @@ def _finite(value: float | None) -> float | None:
 def print_summary(console: Console, result: Mapping[str, Any]) -> None:
     """The table of a drive."""
     title = f"{result['road']}, {result['distance_m']:.0f} m in {result['sim_s']:.0f} s"
-    table = Table(title=title, box=box.SIMPLE_HEAD)
-    table.add_column("")
-    for wheel in WHEELS:
-        table.add_column(wheel, justify="right")
+    table = _wheel_table(title)
     rows = (
         ("true pressure (kPa)", "pressure_kpa", "{:.1f}"),
         ("  at the end", "final_pressure_kpa", "{:.1f}"),
@@ -118,8 +115,8 @@ def print_summary(console: Console, result: Mapping[str, Any]) -> None:
     for label, name, form in rows:
         values = (result["wheels"][w][name] * scale.get(name, 1.0) for w in WHEELS)
         table.add_row(label, *(form.format(v) for v in values))
-    _add_wheel_estimates(table, result["estimates"])
     console.print(table)
+    _print_wheel_estimates(console, result["estimates"])
     _print_estimates(console, result["estimates"])
     for flag in result["flags"]:
         console.print(f"[dim]{flag['time_s']:.1f} s  {flag['method']}: {flag['text']}[/]")
@@ -143,20 +140,31 @@ def _shown(entry: Mapping[str, Any]) -> str:
     return text if entry["std"] is None else f"{text}\u00b1{entry['std'] * scale:.2g}"
 
 
-def _add_wheel_estimates(table: Table, estimates: Mapping[str, Mapping[str, Any]]) -> None:
-    """What is estimated wheel by wheel, below what is true."""
+def _wheel_table(title: str) -> Table:
+    """A column a wheel."""
+    table = Table(title=title, box=box.SIMPLE_HEAD)
+    table.add_column("")
+    for wheel in WHEELS:
+        table.add_column(wheel, justify="right")
+    return table
+
+
+def _print_wheel_estimates(console: Console, estimates: Mapping[str, Mapping[str, Any]]) -> None:
+    """What is estimated wheel by wheel."""
     rows: dict[tuple[str, str], dict[str, Mapping[str, Any]]] = {}
     for name, entry in estimates.items():
         wheel = _wheel_of(name)
         if wheel:
             _, method, _, quantity = name.split("/")
             rows.setdefault((method, quantity), {})[wheel] = entry
-    if rows:
-        table.add_section()
+    if not rows:
+        return
+    table = _wheel_table("wheel by wheel, at the end")
     for (method, quantity), entries in rows.items():
         unit = next(iter(entries.values()))["unit"]
         label = f"{method} {quantity.replace('_', ' ')} ({TABLE_UNITS.get(unit, (unit, 1.0))[0]})"
         table.add_row(label, *(_shown(entries[w]) if w in entries else "-" for w in WHEELS))
+    console.print(table)
 
 
 def _print_estimates(console: Console, estimates: Mapping[str, Mapping[str, Any]]) -> None:

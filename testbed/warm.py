@@ -17,6 +17,7 @@ import numpy as np
 
 import estimators.compiled  # noqa: F401  names the cache folder
 from estimators.itpms.monitor import judge_nothing
+from estimators.registry import registered
 from testbed.drive import drive
 from testbed.roads.iri import iri
 from testbed.roads.road import ISO_SPACING
@@ -30,7 +31,7 @@ def warm() -> None:
     with tempfile.TemporaryDirectory() as folder:
         profile = Path(folder) / "profile.txt"
         profile.write_text("".join(f"{0.25 * k} {0.001 * (k % 3)}\n" for k in range(40)))
-        drive(Scenario(road="A:20,D:300", duration=DURATION), Path(folder) / "warm.rrd")
+        drive(Scenario(road="A:20,D:300", duration=DURATION), Path(folder) / "warm.rrd", tuple(registered()))
         drive(Scenario(road=str(profile), duration=DURATION), None, [])
     iri(np.zeros(round(30.0 / ISO_SPACING)), ISO_SPACING)
     judge_nothing()

@@ -234,6 +234,13 @@ def test_requiring_an_undeclared_signal_is_refused() -> None:
         check_declaration(kind)
 
 
+def test_what_wants_to_be_named_runs_only_where_it_is() -> None:
+    shy = [name for name, kind in registered().items() if kind.opt_in]
+    assert sorted([*select(), *shy]) == sorted(registered())
+    assert not set(shy) & set(Bank(None, Car()).names)
+    assert list(select(shy)) == shy
+
+
 def test_an_unknown_name_lists_the_valid_ones() -> None:
     with pytest.raises(ValueError, match=r"no estimator 'magic', valid: .*wheel_radius"):
         select(["magic"])

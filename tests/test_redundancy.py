@@ -179,7 +179,7 @@ def test_a_faulty_sensor_is_named_within_a_second(fault: str, sensor: str) -> No
     time, text = told[0]
     assert ONSET < time < ONSET + WITHIN
     assert text.startswith(f"{sensor} ")
-    assert "false alarms: one in 10 h" in text
+    assert "designed for one false alarm in 10 h" in text
 
 
 def climbing(pitch_rate: bool) -> DriveLog:

@@ -36,13 +36,14 @@ SENSORS = {
     "torque": "driveline/torque",
 }
 WIDEST_YAW, WIDEST_ACCELERATION = 2.0, 10.0  # std where nothing is known
-RATE = f"false alarms: one in {HOURS:g} h"
+RATE = f"designed for one false alarm in {HOURS:g} h"
 
 
 class Redundancy(Estimator):
     """See the module's text."""
 
     name = "redundancy"
+    opt_in = True  # false alarms are far more frequent than designed, see `numbers`
     requires = ("imu/gyro", "imu/accel", *(f"wheel/{wheel}/speed" for wheel in WHEELS))
     reads = (*requires, "driveline/torque", "steering/angle")
 
