@@ -21,7 +21,7 @@ from testbed.roads.iri import iri
 from testbed.roads.road import ISO_SPACING
 from testbed.scenario import Scenario
 
-DURATION = 1.2  # s: more than one stretch
+DURATION = 2.2  # s: more than one stretch, and more than the second after which `vertical_pressure` judges
 
 
 def warm() -> None:
