@@ -14,7 +14,7 @@ drive: setup
 	$(BIN)/python -m testbed.drive --road "$(ROAD)" $(ARGS)
 
 test: check
-	$(BIN)/python -m pytest
+	$(BIN)/python -m pytest -n auto --dist loadfile
 
 check: setup
 	$(BIN)/ruff format --check .

@@ -13,6 +13,7 @@ from typing import Any
 
 GRAVITY = 9.81  # m/s^2
 AIR_DENSITY = 1.2  # kg/m^3
+DRIVEN = ("front", "rear", "all")
 AXLES = ("front", "rear")
 _MAY_BE_ZERO = (
     "drag_area", "front_wheel_inertia", "rear_wheel_inertia", "radius_sensitivity_relative_std",
@@ -35,6 +36,7 @@ class Car:
     rolling_radius: float = 0.36  # nominal effective radius, declared: 235/60R18
     front_wheel_inertia: float = 1.6  # about the hub: rim, disc, tyre; declared
     rear_wheel_inertia: float = 1.8  # declared
+    ring_teeth: float = 48.0  # of each wheel's speed sensor
     steering_ratio: float = 16.0  # steering-wheel angle per road-wheel angle, declared
     driven_axle: str = "front"
     drag_area: float = 0.9625  # drag coefficient 0.35 (declared) times frontal area 2.75 m^2
@@ -53,8 +55,8 @@ class Car:
     tyre_stiffness_per_load: float = 0.083  # relative, per relative change of load; these three: declared, MF 6.1
 
     def __post_init__(self) -> None:
-        if self.driven_axle not in AXLES:
-            raise ValueError(f"car driven_axle is {self.driven_axle!r}, valid: {', '.join(AXLES)}")
+        if self.driven_axle not in DRIVEN:
+            raise ValueError(f"car driven_axle is {self.driven_axle!r}, valid: {', '.join(DRIVEN)}")
         for field in fields(self):
             if field.name == "driven_axle":
                 continue

@@ -67,11 +67,13 @@ class Estimator(ABC):
     """A method. One file that defines a subclass adds it to the registry.
 
     name: as in `est/NAME/...`. reads: signals it may use. requires: those of them without which it can say nothing.
+    requires_any: of these at least one, if there are any.
     """
 
     name: ClassVar[str]
     reads: ClassVar[tuple[str, ...]]
     requires: ClassVar[tuple[str, ...]]
+    requires_any: ClassVar[tuple[str, ...]] = ()
 
     def __init__(self, car: Car) -> None:
         self.car = car

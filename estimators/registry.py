@@ -50,7 +50,7 @@ def check_declaration(kind: type[Estimator]) -> None:
     for signal in kind.reads:
         if signal.startswith(FORBIDDEN):
             raise ValueError(f"estimator {kind.name} declares {signal!r}; no estimator may read {', '.join(FORBIDDEN)}")
-    undeclared = set(kind.requires) - set(kind.reads)
+    undeclared = {*kind.requires, *kind.requires_any} - set(kind.reads)
     if undeclared:
         raise ValueError(f"estimator {kind.name} requires {sorted(undeclared)} but does not declare to read it")
 

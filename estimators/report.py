@@ -7,6 +7,7 @@ holds the calibration that was learnt, which `Bank` takes back for the next driv
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Mapping
 from dataclasses import asdict
 from pathlib import Path
@@ -19,6 +20,8 @@ from estimators.car import Car
 from estimators.drive_log import DriveLog, Signal
 from estimators.runner import Bank
 
+RADIUS_PAIRS = {"delta12": ("fl", "fr"), "delta34": ("rl", "rr"), "delta13": ("rl", "fl"), "delta24": ("rr", "fr")}
+Z95 = 1.959964  # standard normal quantile of a two-sided 95 % interval
 SHOWN = {"": (100.0, "%"), "Pa": (1e-3, "kPa"), "rad/s": (1.0, "rad/s")}
 
 
@@ -41,7 +44,24 @@ def document(path: str, log: DriveLog, car: Car, bank: Bank, said: Mapping[str, 
         "car_is_of_the_log": told,
         "estimators": methods,
         "calibration": bank.calibrations(),
+        "rows": radius_rows(methods),
     }
+
+
+def radius_rows(methods: Mapping[str, Mapping[str, Any]]) -> list[dict[str, Any]]:
+    """ln(radius of one wheel / radius of another) as rows of the studies' form, `ci95` two-sided and Gaussian; none
+    where `wheel_radius` does not know it."""
+    estimates = methods.get("wheel_radius", {}).get("estimates", {})
+    rows = []
+    for delta, (over, under) in RADIUS_PAIRS.items():
+        if delta not in estimates:
+            continue
+        ratio, std = estimates[delta]["value"], estimates[delta]["std"]
+        here, std = math.log1p(ratio), std / (1.0 + ratio)
+        ci95 = [here - Z95 * std, here + Z95 * std]
+        name = f"ln_radius_{over}_over_{under}"
+        rows.append({"name": name, "unit": "-", "paper": None, "here": here, "ci95": ci95, "limit": None})
+    return rows
 
 
 def usable_signals(log: DriveLog) -> list[str]:
@@ -82,7 +102,12 @@ def print_report(console: Console, result: Mapping[str, Any]) -> None:
         for quantity, entry in method["estimates"].items():
             scale, unit = SHOWN.get(entry["unit"], (1.0, entry["unit"]))
             table.add_row(quantity, f"{entry['value'] * scale:+.4g}", f"{entry['std'] * scale:.2g}", unit)
-        console.print(table)
+        console.print(table if method["estimates"] else f"{name}: nothing estimated")
+        for row in result["rows"] if name == "wheel_radius" else ():
+            low, high = (1e3 * end for end in row["ci95"])
+            console.print(
+                f"{row['name']} {1e3 * row['here']:+.2f}e-3, 95 % {low:+.2f}e-3 to {high:+.2f}e-3", highlight=False
+            )
         for flag in method["flags"]:
             console.print(f"flag  {flag['time_s']:9.1f} s  {flag['text']}", highlight=False, markup=False)
         for alarm in method["alarms"]:

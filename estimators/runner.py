@@ -45,6 +45,11 @@ class Bank:
         """The members, sorted."""
         return tuple(self._members)
 
+    @property
+    def reads(self) -> frozenset[str]:
+        """Signals that some member reads."""
+        return frozenset(signal for member in self._members.values() for signal in member.reads)
+
     def update(self, samples: Mapping[str, Signal], until: float) -> dict[str, Signal]:
         """Feed what arrived before `until` [s]; new estimates, alarms and flags as signals."""
         said: dict[str, Signal] = {}
@@ -62,9 +67,13 @@ class Bank:
         return {name: document for name, document in learnt.items() if document is not None}
 
     def missing(self, names: Iterable[str]) -> dict[str, list[str]]:
-        """Members that can say nothing with only the signals `names`, and what each lacks."""
+        """Members that can say nothing with only the signals `names`, and what each lacks: what it requires, and
+        all of those of which it requires any if there is none."""
         present = set(names)
         lacks = {name: [s for s in member.requires if s not in present] for name, member in self._members.items()}
+        for name, member in self._members.items():
+            if not present.intersection(member.requires_any):
+                lacks[name] += member.requires_any
         return {name: signals for name, signals in lacks.items() if signals}
 
 
@@ -85,7 +94,16 @@ def run(log: DriveLog, names: Iterable[str] | None = None, stretch: float = 1.0)
     """Run the named estimators (all if None) over a log, cut into stretches [s]; estimates, alarms and flags as
     signals.
     """
-    return run_bank(Bank(names, Car.from_notes(log.notes)), log, stretch)
+    return run_bank(Bank(names, Car.from_notes(log.notes), calibrations_of(log.notes)), log, stretch)
+
+
+def calibrations_of(notes: Mapping[str, Any]) -> Mapping[str, Mapping[str, Any]]:
+    """What the estimators of a recorded drive started from, by name; nothing where the notes are silent. ValueError in
+    one line if it makes no sense."""
+    found = notes.get("calibrations", {})
+    if not isinstance(found, Mapping) or not all(isinstance(entry, Mapping) for entry in found.values()):
+        raise ValueError(f"notes['calibrations'] is {found!r}, valid: a calibration by estimator name")
+    return found
 
 
 def run_bank(bank: Bank, log: DriveLog, stretch: float = 1.0) -> dict[str, Signal]:

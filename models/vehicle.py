@@ -19,7 +19,8 @@ SUV = Path(__file__).with_name("suv.toml")
 
 @dataclass(frozen=True)
 class Chassis:
-    """Body: kg, m, kg m^2, m^2."""
+    """Body: kg, m, kg m^2, m^2; side_force_slope [1/rad] of the wind's side force, pressure_point [m] ahead of the
+    centre of gravity where it acts."""
 
     mass: float
     cg_to_front_axle: float
@@ -30,6 +31,8 @@ class Chassis:
     yaw_inertia: float
     frontal_area: float
     drag_coefficient: float
+    side_force_slope: float
+    pressure_point: float
 
 
 @dataclass(frozen=True)

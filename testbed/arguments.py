@@ -15,6 +15,8 @@ from pathlib import Path
 from typing import NoReturn
 
 from estimators.drive_log import WHEELS
+from estimators.faults import FORM, fault_kinds
+from testbed.brake_pull import BrakePull
 from testbed.manoeuvres.manoeuvre import manoeuvres
 from testbed.scenario import DRIVEN, Scenario
 from testbed.tyre.inflation import Leak, PressureSet
@@ -30,6 +32,9 @@ LIMITS = {
     "--load": (0.0, 1000.0, "kg"),
     "--grade": (-30.0, 30.0, "%"),
     "--bank": (-20.0, 20.0, "%"),
+    "--wind": (0.0, 140.0, "km/h"),
+    "--wind direction": (-360.0, 360.0, "deg"),
+    "--wind gusts": (0.0, 100.0, "%"),
     "--ambient": (-40.0, 60.0, "Celsius"),
 }
 
@@ -110,6 +115,19 @@ def _pressure_sets(items: Iterable[str]) -> dict[str, PressureSet]:
     return changes
 
 
+def _brake_pulls(items: Iterable[str]) -> dict[str, BrakePull]:
+    pulls = {}
+    form = "WHEEL=NM@START[-END], such as rl=3000@20-21"
+    for wheel, text in _wheel_values(items, "--brake", form).items():
+        torque, _, when = text.partition("@")
+        start, dash, end = when.partition("-")
+        if not start or (dash and not end):
+            raise ValueError(f"--brake {wheel}={text}: want {form}")
+        span = [_number(word, "--brake time") for word in ([start, end] if end else [start])]
+        pulls[wheel] = BrakePull(_number(torque, "--brake torque"), *span)
+    return pulls
+
+
 def drive_parser() -> Parser:
     """The parser of `python -m testbed.drive`."""
     defaults = Scenario()
@@ -151,6 +169,13 @@ def drive_parser() -> Parser:
         help="bring a tyre to a pressure during the drive, such as fl=130@30/1.5 (kPa, s, s; without the last, "
         "within 0.1 s)",
     )
+    add(
+        "--brake",
+        action="append",
+        default=[],
+        metavar="WHEEL=NM@START-END",
+        help="a brake that pulls on its own, past the anti-lock control, such as rl=3000@20-21 (N m, s)",
+    )
     add("--load", default="0", help="payload in kg, 0 to 1000 (default %(default)s)")
     add(
         "--load-position",
@@ -177,12 +202,27 @@ def drive_parser() -> Parser:
     add("--grade", default="0", help="rise of the road in per cent, -30 to 30 (default %(default)s)")
     add("--bank", default="0", help="cross slope in per cent, left side up, -20 to 20 (default %(default)s)")
     add(
+        "--wind",
+        default="0",
+        metavar="KMH@DEG/PERCENT",
+        help="such as 30@90/25: mean speed in km/h, 0 to 140; where it comes from in degrees, 0 (default) against a "
+        "car that drives along x, 90 from its left; gusts in per cent of the mean, 0 to 100 (default 15)",
+    )
+    add(
         "--obstacle",
         action="append",
         default=[],
         help="cleat@50:height=20,length=30,side=left (m, then mm) or pothole@80:depth=60,length=400,side=right",
     )
-    add("--driven", default=defaults.driven, help=f"driven axle: {' or '.join(DRIVEN)} (default %(default)s)")
+    add(
+        "--fault",
+        action="append",
+        default=[],
+        metavar="FAULT",
+        help=f"of a sensor: {FORM}; kinds: "
+        + "; ".join(f"{name}: {kind.about}" for name, kind in fault_kinds().items()),
+    )
+    add("--driven", default=defaults.driven, help=f"driven axle: {', '.join(DRIVEN)} (default %(default)s)")
     add("--ambient", default="20", help="air temperature in Celsius, -40 to 60 (default %(default)s)")
     add("--seed", default="0", help="of road and sensors (default %(default)s)")
     add("--car-seed", help="of what differs from one sensor to the next of its kind (default: as --seed)")
@@ -201,6 +241,20 @@ def _position(text: str) -> tuple[float, float, float]:
     if len(parts) != 3:
         raise ValueError(f"--load-position {text!r}: want x,y,z in m")
     return parts[0], parts[1], parts[2]
+
+
+def _wind(text: str) -> dict[str, float]:
+    """Fields of the scenario of KMH[@DEG][/PERCENT]."""
+    front, slash, gusts = text.partition("/")
+    speed, at, direction = front.partition("@")
+    if (slash and not gusts) or (at and not direction):
+        raise ValueError(f"--wind {text!r}: want KMH[@DEG][/PERCENT], such as 30@90/25")
+    found = {"wind": _quantity("--wind", speed) / 3.6}
+    if at:
+        found["wind_from"] = math.radians(_quantity("--wind direction", direction))
+    if slash:
+        found["gusts"] = 0.01 * _quantity("--wind gusts", gusts)
+    return found
 
 
 def _seed(text: str, option: str = "--seed") -> int:
@@ -247,13 +301,16 @@ def scenario_of(options: argparse.Namespace) -> Scenario:
         pressures={w: 1e3 * _number(v, "--pressure") for w, v in pressures.items()},
         leaks=_leaks(options.leak),
         pressure_sets=_pressure_sets(options.sets),
+        brake_pulls=_brake_pulls(options.brake),
         radius_factor={w: 1.0 + 0.01 * _number(v, "--radius") for w, v in radii.items()},
         payload=_quantity("--load", options.load),
         payload_position=_position(options.load_position),
         friction=options.friction,
         grade=0.01 * _quantity("--grade", options.grade),
         bank=0.01 * _quantity("--bank", options.bank),
+        **_wind(options.wind),
         obstacles=tuple(options.obstacle),
+        faults=tuple(options.fault),
         driven=options.driven,
         ambient=round(_quantity("--ambient", options.ambient) + KELVIN, 9),
         sensors=read_json(options.sensors, "--sensors") if options.sensors else {},

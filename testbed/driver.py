@@ -39,6 +39,7 @@ ENGINE_SPEED = 470.0  # rad/s above which the driver does not shift down
 LIMITER, LIMITER_BAND = 520.0, 20.0  # rad/s of the engine at which the torque is gone, and over which it goes
 GRADE_LAG = 0.5  # s over which the grade is felt
 ROLLING = 0.009  # rolling resistance that the driver expects [-]
+DRIVE_SHARES = {"front": (0.5, 0.5, 0.0, 0.0), "rear": (0.0, 0.0, 0.5, 0.5), "all": (0.25, 0.25, 0.25, 0.25)}
 HOLD = 0.25  # share of the brake torque that holds the standing car
 
 # columns of the driver's state
@@ -72,7 +73,7 @@ class DriverCar(NamedTuple):
     radius: float
     drag_area: float
     rolling: float
-    first_driven: int  # index of the first wheel of the driven axle
+    drive_share: NDArray[np.float64]  # of the driveline's torque that each wheel gets; open differentials
     brakes: Brakes
     gears: NDArray[np.float64]
     upshift: NDArray[np.float64]
@@ -83,14 +84,14 @@ class DriverCar(NamedTuple):
 
 
 def driver_car(vehicle: Vehicle, tyre: TyreProperties, payload: Payload, radius: float, driven: str) -> DriverCar:
-    """radius: nominal rolling radius [m]; driven: 'front' or 'rear'."""
+    """radius: nominal rolling radius [m]; driven: a key of `DRIVE_SHARES`."""
     line, body = vehicle.driveline, vehicle.chassis
     track = single_track(vehicle, tyre, payload)
     half = np.array([0.5 * axle.track for axle in vehicle.axles]) * np.array([1.0, -1.0, 1.0, -1.0])
     return DriverCar(
         track.mass, track.wheelbase, vehicle.front.track, half, body.cg_to_rear_axle,
         track.understeer, track.rear_gradient, track.yaw_lag, track.yaw_inertia / (track.mass * track.to_front),
-        radius, AIR_DENSITY * body.frontal_area * body.drag_coefficient, ROLLING, 0 if driven == "front" else 2,
+        radius, AIR_DENSITY * body.frontal_area * body.drag_coefficient, ROLLING, np.array(DRIVE_SHARES[driven]),
         brakes(vehicle, tyre, radius), np.array(line.gear_ratios), np.array(line.upshift_speeds),
         line.max_engine_torque, line.max_engine_power, line.efficiency, line.overrun_torque,
     )  # fmt: skip
@@ -214,17 +215,19 @@ def drive_torques(car, plan, state, time, motion, spin, force, load, drive, brak
     elif plan.mode[i] == STOP:
         wanted = car.brakes.torque
     ratio = car.gears[int(state[GEAR])]
-    turning = 0.5 * ratio * (spin[car.first_driven] + spin[car.first_driven + 1])
+    turning = 0.0
+    for w in range(4):
+        turning += car.drive_share[w] * spin[w]
+    turning *= ratio
     if engine > 0.0:
         engine *= min(max((LIMITER - turning) / LIMITER_BAND, 0.0), 1.0)
     axle = engine * ratio * car.efficiency
     lag = min(step / ENGINE_LAG, 1.0)
     state[ENGINE_TORQUE] += (engine - state[ENGINE_TORQUE]) * lag
     state[DRIVELINE_TORQUE] += (axle - state[DRIVELINE_TORQUE]) * lag
-    drive[:] = 0.0
-    drive[car.first_driven] = drive[car.first_driven + 1] = 0.5 * state[DRIVELINE_TORQUE]
     wanted = min(wanted, car.brakes.torque)
     for w in range(4):
+        drive[w] = car.drive_share[w] * state[DRIVELINE_TORQUE]
         along = _wheel_speed(car, state, w, speed, yaw_rate)
         brake[w] = anti_lock(car.brakes, w, wanted * car.brakes.share[w], along, spin[w], force[w], load[w])
     if speed > LOCK_SPEED:  # select low: the rear wheels keep their side force on a road of unequal friction

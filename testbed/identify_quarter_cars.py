@@ -56,7 +56,7 @@ def known_drives(classes: str = CLASSES, duration: float = DURATION) -> Iterator
         simulation = Simulation(scenario)
         suite = SensorSuite(sensor_settings(scenario.sensors), seed, simulation)
         heard = [suite.advance(motion_of(stretch, scenario.step)) for stretch in simulation.stretches()]
-        car = known_car(simulation.vehicle, simulation.tyre, scenario.driven)
+        car = known_car(simulation.vehicle, simulation.tyre, scenario)
         for i, wheel in enumerate(WHEELS):
             hub = np.concatenate([signals[f"hub/{wheel}/accel_z"].value for signals in heard])
             load = sum(quarter_masses(car, wheel)) * GRAVITY
@@ -82,7 +82,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         check_writable(options.out)
         simulation = Simulation(Scenario(duration=1.0))
-        car = known_car(simulation.vehicle, simulation.tyre, simulation.scenario.driven)
+        car = known_car(simulation.vehicle, simulation.tyre, simulation.scenario)
         document = to_document(corners(car, list(known_drives())))
         write_json(options.out, document)
     except OSError as error:

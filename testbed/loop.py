@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from estimators.compiled import compiled, inlined
 from testbed import trace
+from testbed.brake_pull import PullPlan, pulled
 from testbed.brakes import brake_moment
 from testbed.driver import (
     DRIVELINE_TORQUE,
@@ -36,6 +37,7 @@ from testbed.suspension import Suspension, strut_force
 from testbed.tyre import contact
 from testbed.tyre.contact import TyreElement, sidewall_stiffness, torsional_stiffness, wheel_forces
 from testbed.tyre.inflation import PRESSURE, TEMPERATURE, Inflation, inflate
+from testbed.wind import air_force
 
 INFLATION_STRIDE = 10  # steps between two updates of the gas: it changes over seconds
 DIVERGED, ROLLED_OVER, LEFT_WINDOW, DONE = range(4)
@@ -95,12 +97,16 @@ class Constants(NamedTuple):
     driver: DriverCar
     plan: Plan
     inflation: Inflation
+    pulls: PullPlan
     friction_edges: NDArray[np.float64]
     friction_left: NDArray[np.float64]
     friction_right: NDArray[np.float64]
     radius_factor: NDArray[np.float64]
     spin_inertia: NDArray[np.float64]
     drag_area: float  # half rho cd A [kg/m]
+    side_area: float  # half rho (side-force slope - cd) A [kg/m]: what wind from the side adds to its share of the drag
+    pressure_point: float  # where that acts, ahead of the centre of gravity [m]
+    wind: NDArray[np.float64]  # air velocity every `wind.STEP` [m/s], shape (n, 2)
     steering_ratio: float
 
 
@@ -190,6 +196,7 @@ def _torques(views, ix, c, s, time, speed, spins, drive, brake):
         spins[w] = views.qvel[ix.spin_v[w]]
     drive_torques(c.driver, c.plan, s.driver, time, motion, spins, force, load, drive, brake, c.step)
     for w in range(4):
+        brake[w] = pulled(c.pulls, w, time, brake[w])
         knuckle, rim = ix.knuckle[w], ix.rim[w]
         spin = spins[w]
         moment = brake_moment(s.bristle, w, brake[w], spin, c.spin_inertia[w], c.step)
@@ -207,15 +214,15 @@ def _torques(views, ix, c, s, time, speed, spins, drive, brake):
 
 @inlined
 def _chassis(views, ix, c, s, time, row):
-    """Air drag and steering; returns the forward speed [m/s]."""
+    """Air drag, the wind's side force, and steering; returns the forward speed [m/s]."""
     vx, vy = views.qvel[0], views.qvel[1]
-    air = c.drag_area * math.hypot(vx, vy)
+    cos_heading, sin_heading = views.xmat[ix.chassis, 0], views.xmat[ix.chassis, 3]
+    force_x, force_y, cross = air_force(c.wind, time, c.drag_area, c.side_area, vx, vy, cos_heading, sin_heading)
     for i in range(6):
         views.xfrc[ix.chassis, i] = 0.0
-    views.xfrc[ix.chassis, 0] = -air * vx
-    views.xfrc[ix.chassis, 1] = -air * vy
-    s.work[_AIR] += air * (vx * vx + vy * vy) * c.step
-    cos_heading, sin_heading = views.xmat[ix.chassis, 0], views.xmat[ix.chassis, 3]
+    views.xfrc[ix.chassis, 0], views.xfrc[ix.chassis, 1] = force_x, force_y
+    views.xfrc[ix.chassis, 5] = cross * c.pressure_point
+    s.work[_AIR] -= (force_x * vx + force_y * vy) * c.step
     speed = vx * cos_heading + vy * sin_heading + views.qvel[2] * views.xmat[ix.chassis, 6]
     heading = math.atan2(sin_heading, cos_heading)
     angle = steer(c.driver, c.plan, s.driver, views.qpos[0], views.qpos[1], heading, speed, c.step)

@@ -4,19 +4,32 @@ with."""
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Mapping
 from importlib.metadata import version
 from typing import Any
 
 from estimators.car import Car
+from models.identified import identified
 from models.tyre_properties import TyreProperties
 from models.vehicle import Vehicle
+from testbed.scenario import Scenario
+from testbed.sensors import sensor_settings
+from testbed.sensors.defaults import EDGE_NAMES
+from testbed.sensors.settings import EncoderSettings
 from testbed.simulation import Simulation, nominal_radius, radius_sensitivity, tyre_footprint, tyre_law
 
 PACKAGES = ("vehicle-testbed", "mujoco", "numpy", "numba", "rerun-sdk")
 
 
-def known_car(vehicle: Vehicle, tyre: TyreProperties, driven: str) -> Car:
-    """What an estimator may know beforehand of a car on such tyres, driven on that axle."""
+def ring_teeth(scenario: Scenario) -> dict[str, float]:
+    """Teeth of each wheel's ring."""
+    settings = sensor_settings(scenario.sensors)
+    rings = {wheel: settings[name] for wheel, name in EDGE_NAMES.items()}
+    return {wheel: float(ring.teeth) for wheel, ring in rings.items() if isinstance(ring, EncoderSettings)}
+
+
+def known_car(vehicle: Vehicle, tyre: TyreProperties, scenario: Scenario) -> Car:
+    """What an estimator may know beforehand of a car on such tyres, driven and equipped as the scenario says."""
     v, body = vehicle, vehicle.chassis
     return Car(
         cg_to_front_axle=body.cg_to_front_axle,
@@ -31,7 +44,8 @@ def known_car(vehicle: Vehicle, tyre: TyreProperties, driven: str) -> Car:
         front_wheel_inertia=v.front.spin_inertia + tyre.belt_iyy,
         rear_wheel_inertia=v.rear.spin_inertia + tyre.belt_iyy,
         steering_ratio=v.driveline.steering_ratio,
-        driven_axle=driven,
+        driven_axle=scenario.driven,
+        ring_teeth=ring_teeth(scenario)["fl"],
         drag_area=body.drag_coefficient * body.frontal_area,
         pressure=tyre.p0,
         radius_sensitivity=radius_sensitivity(tyre),
@@ -45,11 +59,15 @@ def known_car(vehicle: Vehicle, tyre: TyreProperties, driven: str) -> Car:
     )
 
 
-def drive_notes(simulation: Simulation, car: Car | None = None) -> dict[str, Any]:
-    """JSON values. car: what the estimators are told, None for the car that drives."""
-    car = car or known_car(simulation.vehicle, simulation.tyre, simulation.scenario.driven)
+def drive_notes(
+    simulation: Simulation, car: Car | None = None, calibrations: Mapping[str, Mapping[str, Any]] | None = None
+) -> dict[str, Any]:
+    """JSON values. car: what the estimators are told, None for the car that drives; calibrations: what they start from,
+    over what `models/` holds of the car."""
+    car = car or known_car(simulation.vehicle, simulation.tyre, simulation.scenario)
     return {
         "scenario": simulation.scenario.as_notes(),
         "car": dataclasses.asdict(car),
+        "calibrations": {**identified(), **(calibrations or {})},
         "versions": {name: version(name) for name in PACKAGES},
     }

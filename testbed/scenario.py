@@ -13,11 +13,13 @@ from dataclasses import dataclass, field
 from typing import Any, TypeVar
 
 from estimators.drive_log import WHEELS
+from estimators.faults import parse_fault
+from testbed.brake_pull import BrakePull
 from testbed.tyre.inflation import Leak, PressureSet
 
 FASTEST = 200.0 / 3.6  # m/s
 LONGEST = 24.0 * 3600.0  # s
-DRIVEN = ("front", "rear")
+DRIVEN = ("front", "rear", "all")
 
 # field, lowest, highest, unit: each must be a finite number within
 RANGES = (
@@ -26,15 +28,20 @@ RANGES = (
     ("payload", 0.0, 1000.0, "kg"),
     ("grade", -0.3, 0.3, "-"),
     ("bank", -0.2, 0.2, "-"),
+    ("wind", 0.0, 40.0, "m/s"),
+    ("wind_from", -2.0 * math.pi, 2.0 * math.pi, "rad"),
+    ("gusts", 0.0, 1.0, "-"),
     ("ambient", 233.15, 333.15, "K"),
     ("step", 1e-5, 1e-3, "s"),
 )
 PRESSURE_RANGE = (0.0, 500e3)  # Pa, gauge
 FARTHEST_LOAD = 3.0  # m from the chassis' centre of gravity, along each axis
 SENSOR_STEP = 1e-3  # s of the grid on which the sensors are fed: a whole number of steps
-Entry = TypeVar("Entry", Leak, PressureSet)
+Entry = TypeVar("Entry", Leak, PressureSet, BrakePull)
+ENTRIES: dict[str, type] = {"leaks": Leak, "pressure_sets": PressureSet, "brake_pulls": BrakePull}
 TEXTS = ("road", "manoeuvre", "tyre", "friction", "driven")
-MAPPINGS = ("pressures", "leaks", "pressure_sets", "radius_factor", "sensors")
+TUPLES = ("payload_position", "obstacles", "faults")
+MAPPINGS = ("pressures", "leaks", "pressure_sets", "radius_factor", "brake_pulls", "sensors")
 
 
 def _number(value: object) -> bool:
@@ -43,7 +50,7 @@ def _number(value: object) -> bool:
 
 
 def _entries(name: str, kind: type[Entry], given: object) -> object:
-    """Leaks or pressure sets of saved notes; what is no mapping is left for the scenario's own check."""
+    """Leaks, pressure sets or brake pulls of saved notes; what is no mapping is left for the scenario's own check."""
     if not isinstance(given, Mapping):
         return given
     wanted = {f.name for f in dataclasses.fields(kind)}
@@ -57,7 +64,9 @@ def _entries(name: str, kind: type[Entry], given: object) -> object:
 class Scenario:
     """road, manoeuvre, tyre: as on the command line. speed [m/s], duration [s], payload [kg] at payload_position [m]
     from the chassis' centre of gravity, pressures [Pa gauge] and radius_factor [-] by wheel, ambient [K], grade and
-    bank [-]. seed: of road and sensors; car_seed: of what differs from one sensor to the next of its kind, None: as
+    bank [-]. wind: mean speed [m/s], wind_from: where it comes from [rad], 0 against a car that drives along x, a
+    quarter turn from the left; gusts: their std over the mean [-]. brake_pulls: by wheel. faults: of sensors, as on the
+    command line. seed: of road and sensors; car_seed: of what differs from one sensor to the next of its kind, None: as
     seed."""
 
     road: str = "C"
@@ -71,12 +80,17 @@ class Scenario:
     leaks: Mapping[str, Leak] = field(default_factory=dict)
     pressure_sets: Mapping[str, PressureSet] = field(default_factory=dict)
     radius_factor: Mapping[str, float] = field(default_factory=dict)
+    brake_pulls: Mapping[str, BrakePull] = field(default_factory=dict)
     payload: float = 0.0
     payload_position: tuple[float, float, float] = (-0.6, 0.0, 0.0)
     friction: str = "1.0"
     grade: float = 0.0
     bank: float = 0.0
+    wind: float = 0.0
+    wind_from: float = 0.0
+    gusts: float = 0.15
     obstacles: tuple[str, ...] = ()
+    faults: tuple[str, ...] = ()
     driven: str = "front"
     ambient: float = 293.15
     sensors: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
@@ -93,7 +107,11 @@ class Scenario:
         for text in self.obstacles:
             if not isinstance(text, str):
                 raise ValueError(f"obstacle {text!r} is not a text")
-        timed: list[Leak | PressureSet] = [*self.leaks.values(), *self.pressure_sets.values()]
+        for text in self.faults:
+            parse_fault(text)
+        timed: list[Leak | PressureSet | BrakePull] = [
+            entry for name in ENTRIES for entry in getattr(self, name).values()
+        ]
         by_wheel = (*self.pressures.values(), *self.radius_factor.values())
         for value in (*by_wheel, *(v for entry in timed for v in dataclasses.astuple(entry))):
             if not _number(value):
@@ -115,7 +133,7 @@ class Scenario:
             raise ValueError(f"step {self.step:g} s does not divide {SENSOR_STEP:g} s; valid: 1e-3, 5e-4, 2.5e-4 ...")
         if self.driven not in DRIVEN:
             raise ValueError(f"unknown driven axle {self.driven!r}; valid: {', '.join(DRIVEN)}")
-        for names in (self.pressures, self.leaks, self.pressure_sets, self.radius_factor):
+        for names in (getattr(self, name) for name in MAPPINGS if name != "sensors"):
             for wheel in names:
                 if wheel not in WHEELS:
                     raise ValueError(f"unknown wheel {wheel!r}; valid: {', '.join(WHEELS)}")
@@ -138,6 +156,8 @@ class Scenario:
                     f"set {wheel} at {change.start:g} s within {change.duration:g} s is out of range; "
                     "valid: a start of 0 s or later and a duration above 0 s"
                 )
+        for wheel, pull in self.brake_pulls.items():
+            pull.check(wheel)
         for wheel, factor in self.radius_factor.items():
             if not 0.9 <= factor <= 1.1:
                 raise ValueError(f"radius {wheel}={100 * (factor - 1):g} % is out of range; valid: -10 to 10 %")
@@ -145,7 +165,8 @@ class Scenario:
     def as_notes(self) -> dict[str, Any]:
         """JSON values; `from_notes` gives the scenario back."""
         notes = dataclasses.asdict(self)
-        notes["payload_position"], notes["obstacles"] = list(self.payload_position), list(self.obstacles)
+        for name in TUPLES:
+            notes[name] = list(getattr(self, name))
         return notes
 
     @staticmethod
@@ -156,11 +177,11 @@ class Scenario:
         if odd:
             raise ValueError(f"unknown scenario field {odd[0]!r}; valid: {', '.join(sorted(known))}")
         values = dict(notes)
-        for name in ("payload_position", "obstacles"):
+        for name in TUPLES:
             if name in values:
                 if not isinstance(values[name], Sequence) or isinstance(values[name], str):
                     raise ValueError(f"{name} is {values[name]!r}, want a list")
                 values[name] = tuple(values[name])
-        values["leaks"] = _entries("leaks", Leak, values.get("leaks", {}))
-        values["pressure_sets"] = _entries("pressure_sets", PressureSet, values.get("pressure_sets", {}))
+        for name, kind in ENTRIES.items():
+            values[name] = _entries(name, kind, values.get(name, {}))
         return Scenario(**values)

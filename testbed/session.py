@@ -6,7 +6,8 @@ sensors (and nothing else), and everything goes into the recording.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+import math
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
@@ -15,15 +16,18 @@ from typing import Any
 import numpy as np
 
 from estimators.car import Car
-from estimators.drive_log import Signal
+from estimators.drive_log import WHEELS, Signal
+from estimators.faults import Injector
+from estimators.faults.truth import fault_events, sound_signals
 from estimators.runner import FLUSH, Bank
-from models.identified import identified
 from models.tyre_properties import TyreProperties
 from models.vehicle import Vehicle
 from testbed.drive_recording import DriveRecording
-from testbed.notes import drive_notes
+from testbed.notes import drive_notes, ring_teeth
 from testbed.scenario import SENSOR_STEP, Scenario
 from testbed.sensors import Motion, SensorSuite, sensor_settings
+from testbed.sensors.defaults import EDGE_NAMES, SPEED_NAMES
+from testbed.sensors.settings import SensorSettings
 from testbed.simulation import Simulation, Stretch
 
 
@@ -52,16 +56,24 @@ class Variant:
     """What a campaign changes that a scenario cannot say; None leaves it as the scenario has it.
 
     vehicle, tyre: what drives. car: what the estimators are told of it. calibrations: what they learnt of it before,
-    by estimator, over what `models/` holds of the car.
+    by estimator, over what `models/` holds of the car. only_read: sensors that no estimator reads are left out, which
+    changes nothing for those that are there.
     """
 
     vehicle: Vehicle | None = None
     tyre: TyreProperties | None = None
     car: Car | None = None
     calibrations: Mapping[str, Mapping[str, Any]] | None = None
+    only_read: bool = False
 
 
 PLAIN = Variant()
+
+
+def needed(settings: Mapping[str, SensorSettings], reads: Collection[str]) -> dict[str, SensorSettings]:
+    """The sensors of these signals, and the encoders that bus speeds are computed from."""
+    edges = {EDGE_NAMES[wheel] for wheel in WHEELS if SPEED_NAMES[wheel] in reads}
+    return {name: figures for name, figures in settings.items() if name in reads or name in edges}
 
 
 class Session:
@@ -74,21 +86,29 @@ class Session:
         """estimators: names, None for all. ValueError for anything in the scenario that is not valid."""
         settings = sensor_settings(scenario.sensors)
         self.simulation = Simulation(scenario, variant.vehicle, variant.tyre)
-        notes = drive_notes(self.simulation, variant.car)
-        self.bank = Bank(estimators, Car.from_notes(notes), {**identified(), **(variant.calibrations or {})})
+        notes = drive_notes(self.simulation, variant.car, variant.calibrations)
+        self.bank = Bank(estimators, Car.from_notes(notes), notes["calibrations"])
+        if variant.only_read:
+            settings = needed(settings, self.bank.reads)
+        self._faults = Injector(scenario.faults, scenario.seed, ring_teeth(scenario))
         self._suite = SensorSuite(settings, scenario.seed, self.simulation, car_seed=scenario.car_seed)
         self._recording = DriveRecording(recording, self.simulation, notes) if recording else None
 
     def run(self) -> Iterator[tuple[Stretch, dict[str, Signal]]]:
         """The drive to its end: each stretch with what the estimators said in it (`est/...`, `alarm/...`)."""
-        step = self.simulation.scenario.step
+        step, told = self.simulation.scenario.step, -math.inf
         for stretch in self.simulation.stretches():
-            sensed = self._suite.advance(motion_of(stretch, step))
+            motion = motion_of(stretch, step)
+            sound = self._suite.advance(motion)
+            sensed = self._faults.update(sound, motion.end)
             end = float(stretch["time"][-1]) + step
             last = end > self.simulation.scenario.duration - 0.5 * step
             said = self.bank.update(sensed, end + (FLUSH if last else 0.0))
             if self._recording:
-                self._recording.add({**sensed, **said}, stretch)
+                faults = self._faults.faults
+                truth = fault_events(faults, told, end) | sound_signals(faults, sound)
+                told = end
+                self._recording.add({**sensed, **said, **truth}, stretch)
             yield stretch, said
 
     def __enter__(self) -> Session:

@@ -21,6 +21,7 @@ from models.car import RoadGrid, compile_model, compose
 from models.tyre_properties import TyreProperties, load_tyre
 from models.vehicle import AIR_DENSITY, GRAVITY, Payload, Vehicle, load_vehicle
 from testbed import driver, loop, trace
+from testbed.brake_pull import pull_plan
 from testbed.driver import driver_car
 from testbed.loop import Constants, Index, State, Views
 from testbed.manoeuvres.manoeuvre import find_manoeuvre
@@ -33,6 +34,7 @@ from testbed.suspension import suspension
 from testbed.tyre import contact, vertical
 from testbed.tyre.contact import tyre_element
 from testbed.tyre.inflation import inflation, initial_gas
+from testbed.wind import wind_series
 
 STRETCH = 1.0  # s of one stretch
 POSE_RATE = 40.0  # Hz of the poses that are recorded
@@ -132,6 +134,7 @@ class Simulation:
     def _constants(self, plan: driver.Plan) -> Constants:
         s, body = self.scenario, self.vehicle.chassis
         grip = parse_friction(s.friction)
+        area = 0.5 * AIR_DENSITY * body.frontal_area
         return Constants(
             step=s.step,
             tyre=self.element,
@@ -139,12 +142,16 @@ class Simulation:
             driver=driver_car(self.vehicle, self.tyre, self.payload, self.nominal_radius, s.driven),
             plan=plan,
             inflation=inflation(self.tyre, s.leaks, s.pressure_sets, s.ambient),
+            pulls=pull_plan(s.brake_pulls),
             friction_edges=grip.edges,
             friction_left=grip.left,
             friction_right=grip.right,
             radius_factor=np.array([s.radius_factor.get(w, 1.0) for w in WHEELS]),
             spin_inertia=np.array([axle.spin_inertia for axle in self.vehicle.axles]),
-            drag_area=0.5 * AIR_DENSITY * body.frontal_area * body.drag_coefficient,
+            drag_area=area * body.drag_coefficient,
+            side_area=area * (body.side_force_slope - body.drag_coefficient),
+            pressure_point=body.pressure_point,
+            wind=wind_series(s.wind, s.wind_from, s.gusts, float(plan.speed.mean()), s.duration, s.seed),
             steering_ratio=self.vehicle.driveline.steering_ratio,
         )
 

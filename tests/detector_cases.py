@@ -7,6 +7,7 @@ from math import inf
 import numpy as np
 from numpy.typing import NDArray
 
+from estimators.compiled import compiled
 from estimators.detectors import (
     CusumMean,
     CusumVariance,
@@ -18,6 +19,7 @@ from estimators.detectors import (
     Monitor,
     Readings,
 )
+from estimators.detectors.loops import ALARMS, REFUSED, RESTART, USED, follow
 
 DETECTORS: dict[str, Detector] = {
     "cusum": CusumMean(0.5, 4.0),
@@ -44,6 +46,46 @@ def broken_sequence(generator: np.random.Generator, n: int) -> NDArray[np.float6
     wild = generator.random(n) < generator.random() ** 2
     x[wild] = generator.choice(WILD, int(wild.sum()))
     return x
+
+
+def broken_sequences(
+    generator: np.random.Generator, number: int, longest: int = 32
+) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    """The same for many: shape (number, longest), of which each row counts up to its length, shape (number,)."""
+    x = generator.standard_normal((number, longest)) * 10.0 ** generator.uniform(-3.0, 3.0, (number, 1))
+    step = generator.standard_normal((number, 1)) * 10.0 ** generator.uniform(-1.0, 4.0, (number, 1))
+    place = np.arange(longest)
+    x += step * (place >= generator.integers(0, longest + 1, (number, 1)))
+    wild = generator.random((number, longest)) < generator.random((number, 1)) ** 2
+    x[wild] = generator.choice(WILD, int(wild.sum()))
+    gap = generator.integers(0, 2 * longest, (number, 1))  # half of them have one
+    x[(place >= gap) & (place < gap + generator.integers(1, longest, (number, 1)))] = np.nan
+    return x, generator.integers(1, longest + 1, number)
+
+
+@compiled
+def sound_sequences(kind, numbers, level, mode, state, x, length):
+    """How many of the sequences leave a fresh detector sound, as `assert_sound` says, and how many raise an alarm."""
+    sound, alarmed = 0, 0
+    for i in range(len(x)):
+        n = length[i]
+        state[:] = 0.0
+        last, counts = np.zeros(1), np.zeros(4, dtype=np.int64)
+        statistic, alarm = np.empty(n), np.empty(n, dtype=np.bool_)
+        follow(kind, numbers, level, mode, state, last, counts, x[i, :n], statistic, alarm)
+        good, usable = True, 0
+        for k in range(n):
+            good = good and np.isfinite(statistic[k]) and statistic[k] >= 0.0
+            if np.isfinite(x[i, k]):
+                usable += 1
+            elif mode != RESTART:
+                good = good and statistic[k] == (statistic[k - 1] if k else 0.0)
+                good = good and alarm[k] == (k > 0 and alarm[k - 1])
+        good = good and counts[USED] == usable and counts[REFUSED] == n - usable and counts[ALARMS] <= usable
+        good = good and (counts[ALARMS] > 0) == alarm.any()
+        sound += good
+        alarmed += counts[ALARMS] > 0
+    return sound, alarmed
 
 
 def assert_sound(monitor: Monitor, x: NDArray[np.float64], readings: Readings) -> None:

@@ -73,7 +73,7 @@ def test_what_one_drive_learnt_calibrates_the_next(
     assert main([second, *options, "--calibration", str(learnt), "--json", str(out)]) == 0
     change = json.loads(out.read_text())["estimators"]["wheel_radius"]["estimates"]["static_residual_change"]
     assert change["value"] == pytest.approx(2.5e-3, abs=4e-4)
-    assert change["std"] < 2e-4
+    assert change["std"] < 2.5e-4  # a tenth of the loss
 
 
 def test_a_car_file_replaces_fields_of_the_car(mapped: tuple[str, list[str]], tmp_path: Path) -> None:

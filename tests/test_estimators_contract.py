@@ -128,8 +128,18 @@ def test_an_absent_signal_is_flagged_and_without_a_required_one_nothing_is_estim
 
 
 @EACH
+def test_without_any_of_what_it_needs_one_of_nothing_is_estimated(name: str) -> None:
+    needed = registered()[name].requires_any
+    without = edited(lambda path, s: None if path in needed else s)
+    if needed:
+        assert not any(path.endswith("/std") for path in run(without, [name]))
+    assert Bank([name], Car()).missing(without) == ({name: list(needed)} if needed else {})
+    assert not Bank([name], Car()).missing([*without, *needed[:1]])
+
+
+@EACH
 def test_late_repeated_and_wild_stamps_are_flagged(name: str) -> None:
-    target = registered()[name].requires[0]
+    target = (registered()[name].requires + registered()[name].requires_any)[0]
     said = run(edited(lambda path, s: Signal(*_disordered(s), s.unit, s.frame) if path == target else s), [name])
     assert_sound(said, name)
     for complaint in ("late time stamps", "repeated time stamps", "far ahead"):
@@ -139,7 +149,7 @@ def test_late_repeated_and_wild_stamps_are_flagged(name: str) -> None:
 
 @EACH
 def test_signals_of_a_wrong_shape_are_flagged(name: str) -> None:
-    target = registered()[name].requires[0]
+    target = (registered()[name].requires + registered()[name].requires_any)[0]
     for wrong in (lambda s: Signal(s.time, np.ones((len(s), 2))), lambda s: Signal(s.time, ["x"] * len(s))):
         said = run(edited(lambda path, s, w=wrong: w(s) if path == target else s), [name])
         assert f"{target}: value is" in flags(said, name)
@@ -245,7 +255,7 @@ def test_a_stretch_that_is_no_length_of_time_is_refused(stretch: float) -> None:
         ({"rear_track": float("nan")}, "rear_track is nan"),
         ({"rolling_radius": "big"}, "rolling_radius is 'big'"),
         ({"rolling_radius": True}, "rolling_radius is True"),
-        ({"driven_axle": "all"}, "driven_axle is 'all', valid: front, rear"),
+        ({"driven_axle": "left"}, "driven_axle is 'left', valid: front, rear, all"),
         ([1], r"notes\['car'\] is \[1\]"),
     ],
 )

@@ -11,6 +11,7 @@ import pytest
 from estimators.__main__ import main as estimate
 from estimators.design_cusum import parser as design_parser
 from estimators.detectors import Detector
+from estimators.faults import fault_kinds, known_targets
 from testbed.arguments import drive_parser
 from testbed.campaign.__main__ import main as campaign
 from testbed.campaign.arguments import campaign_parser
@@ -153,6 +154,17 @@ def test_readme_study_runs(command, tmp_path, monkeypatch, capsys):
 def test_readme_shows_every_study():
     table = section("## Studies")
     assert set(re.findall(r"^\| `([a-z-]+)`", table, re.MULTILINE)) == set(studies())
+
+
+def test_readme_lists_every_kind_of_fault_with_its_numbers_and_every_sensor():
+    part = section("## Faults of sensors")
+    rows = re.findall(r"^\| `([a-z]+)` \| (.*?) \|", part, re.MULTILINE)
+    shown = {kind: re.findall(r"`([A-Z]+)`", numbers) for kind, numbers in rows}
+    assert shown == {name: [number.name for number in kind.numbers] for name, kind in fault_kinds().items()}
+    sensors = part[part.index("| sensor | unit") :].replace("\\|", "|")
+    assert set(re.findall(r"`((?:imu|body|hub|steering|engine|driveline|wheel|tyre)/[^`]+)`", sensors)) >= set(
+        known_targets()
+    )
 
 
 def test_files_that_the_readme_names_exist():

@@ -18,7 +18,7 @@ from models.vehicle import load_vehicle
 from testbed.drive import main
 from testbed.notes import known_car
 from testbed.scenario import Scenario
-from testbed.session import Session
+from testbed.session import Session, Variant
 from testbed.tyre.inflation import Leak
 
 QUIET = {
@@ -141,7 +141,7 @@ def test_estimators_are_told_the_same_car_whatever_is_true_of_the_day(fields):
     plain, day = (Session(Scenario(road="flat", duration=1.0, **f), None, None) for f in ({}, fields))
     cars = [next(iter(s.bank._members.values())).car for s in (plain, day)]
     assert cars[0] == cars[1]
-    assert cars[0] == known_car(load_vehicle(), load_tyre(), "front")
+    assert cars[0] == known_car(load_vehicle(), load_tyre(), Scenario())
     assert cars[0].steering_ratio == load_vehicle().driveline.steering_ratio
     assert cars[0].radius_sensitivity == pytest.approx(4e-8, rel=0.01)  # 1/Pa: real cars
 
@@ -182,3 +182,14 @@ def test_alarm_of_a_calibrated_drive_reaches_log_table_json_and_layout(tmp_path:
     log = read_log(out)
     assert log["alarm/wheel_radius"].value.tolist() == [alarm["text"]]
     assert log["alarm/wheel_radius"].time.tolist() == [alarm["time_s"]]
+
+
+def test_sensors_that_nobody_reads_may_be_left_out() -> None:
+    """What the estimator says is the same to the last bit, with fewer sensors."""
+    scenario, heard, counts = Scenario(road="C", duration=6.0), [], []
+    for only in (False, True):
+        with Session(scenario, None, ["wheel_radius"], Variant(only_read=only)) as session:
+            heard.append([words for _, words in session.run()])
+            counts.append(len(session._suite._lines))
+    assert heard[0] == heard[1]
+    assert counts[1] < counts[0]

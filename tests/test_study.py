@@ -69,9 +69,15 @@ def check_schema(document, name, runs):
     assert len(names) == len(set(names))
 
 
+def skip_without_data(study):
+    if study.data is not None and not study.data.is_file():
+        pytest.skip(f"{study.name}: {study.data} is not there")
+
+
 @pytest.fixture(scope="module", params=ALL, ids=[study.name for study in ALL])
 def told(request, tmp_path_factory):
     """A study, its small form as the command tells it the first and the second time, and the folder."""
+    skip_without_data(request.param)
     folder = tmp_path_factory.mktemp(request.param.name)
     tellings = []
     for _ in range(2):
@@ -111,6 +117,7 @@ def test_study_reuses_every_finished_task_and_says_the_same(told):
 @pytest.mark.parametrize("study", ALL, ids=[study.name for study in ALL])
 @pytest.mark.parametrize("small", [False, True])
 def test_more_runs_of_a_study_begin_with_the_same_tasks(study, small):
+    skip_without_data(study)
     one, three = study.tasks(1, 0, small), study.tasks(3, 0, small)
     assert three[: len(one)] == one
     assert json.loads(json.dumps(three, allow_nan=False)) == three

@@ -13,14 +13,16 @@ from estimators.car import Car
 from estimators.drive_log import WHEELS, DriveLog, Signal
 from estimators.estimator import Alarm
 from estimators.runner import Bank, run, run_bank
-from estimators.wheel_radius.lateral import FRONT, REAR, Lateral
+from estimators.wheel_radius.calibration import MASS
+from estimators.wheel_radius.lateral import FRONT, OFFSET_STD, REAR, Lateral
 from estimators.wheel_radius.longitudinal import Longitudinal
 from estimators.wheel_radius.motion import MotionTracker
 from estimators.wheel_radius.residuals import NAMES
 from tests.synthetic_drive import QUIET, Noise, drive, last, varied_speed
 
 LOSS = -2.5e-3  # of radius: a quarter of the pressure on the default car
-SMALL = 3.2e-4  # an eighth of the loss
+SMALL = 3.6e-4  # a seventh of the loss; the static residual also allows for unlike slip of an axle's wheels
+FRONT_REAR_SMALL = 6.5e-4  # of front against rear: the load may have changed since the calibration
 UNEQUAL = np.array([-1e-3, 5e-4, 0.0, 3e-4])
 DRIVE_SLIP = np.array([1e-3, 1e-3, 0.0, 0.0])
 LEARN, BEFORE, AFTER = 130, 35, 65  # s
@@ -29,10 +31,10 @@ LEARN, BEFORE, AFTER = 130, 35, 65  # s
 TYRES = 3e-3 * np.array([1.0, -0.6, 0.3, -0.7])  # no two tyres are equal
 
 
-def assert_seen(said: dict[str, Signal], name: str, expected: float) -> None:
+def assert_seen(said: dict[str, Signal], name: str, expected: float, small: float = SMALL) -> None:
     """The last estimate is within three of its stds, and these are small against a loss."""
     value, std = last(said, name)
-    assert std < SMALL, f"{name} std {std:.1e}"
+    assert std < small, f"{name} std {std:.1e}"
     assert abs(value - expected) < 3.0 * std, f"{name} {value:.2e} std {std:.1e}, expected {expected:.2e}"
 
 
@@ -76,7 +78,7 @@ def test_pressure_change_is_radius_change_over_sensitivity_and_its_std_holds_the
 def test_a_quarter_of_the_pressure_lost_alarms_within_a_minute_and_names_the_wheels(wheels: tuple[str, ...]) -> None:
     _, alarms = drive_with_loss(wheels)
     assert [alarm.wheels for alarm in alarms] == [wheels]
-    assert BEFORE + 10.0 < alarms[0].time < BEFORE + 60.0
+    assert BEFORE < alarms[0].time < BEFORE + 60.0
     assert "low pressure" in alarms[0].text
 
 
@@ -101,7 +103,7 @@ def test_equal_loss_on_an_axle_is_invisible_to_the_static_residual_and_seen_by_t
     said, _ = drive_with_loss(("fl", "fr"))
     assert_seen(said, "static_residual_change", 0.0)
     for delta in ("delta13_change", "delta24_change"):
-        assert_seen(said, delta, -LOSS)
+        assert_seen(said, delta, -LOSS, FRONT_REAR_SMALL)
 
 
 def test_equal_loss_on_a_side_is_invisible_to_the_static_residual_and_seen_by_the_lateral_filter() -> None:
@@ -149,7 +151,7 @@ def test_without_calibration_no_alarm_is_given_and_the_std_holds_the_spread_of_t
 
 
 def test_a_calibration_of_an_earlier_drive_makes_a_loss_from_the_start_visible() -> None:
-    assert set(calibrations()["wheel_radius"]) == set(NAMES)
+    assert set(calibrations()["wheel_radius"]) == {*NAMES, MASS}
     second = Bank(["wheel_radius"], Car(), calibrations())
     low = TYRES + np.array([0.0, 0.0, 0.0, LOSS])
     said = run_bank(second, drive(varied_speed(60.0), radius_change=low, noise=Noise(), seed=5))
@@ -177,11 +179,11 @@ def test_half_an_hour_straight_at_constant_speed_winds_nothing_up() -> None:
     value, std = np.moveaxis(np.array(history), 2, 0)
     assert (np.ptp(value, axis=0) < 1.2e-3).all()  # six stds of what is seen, at this drift
     assert (np.abs(value[-1] - value[0]) < 5e-4).all()
-    lost_by_offset = 0.01 * Car().front_track / 25.0  # prior std of the gyro offset as a radius ratio
+    lost_by_offset = OFFSET_STD[0] * Car().front_track / 25.0  # prior std of the gyro offset as a radius ratio
     lost_by_slip = 0.015 * 0.03  # prior std of 1/k times the traction
     assert (std > 0.9 * np.array([lost_by_offset, lost_by_offset, lost_by_slip])).all()
     assert (std <= 5e-3).all()
-    assert lateral.offset()[1] > 0.9 * 0.01
+    assert lateral.offset()[1] > 0.9 * OFFSET_STD[0]
     assert left.compliance()[1] > 0.9 * 0.015
 
 
@@ -192,7 +194,7 @@ def test_gyro_offset_separates_when_speed_varies_or_the_car_stands(how: str) -> 
     if how == "stands first":
         speed = np.concatenate([np.zeros(500), np.linspace(0.0, 20.0, 1000), np.full(6000, 20.0)])
     value, std = last(run(drive(speed, radius_change=(1e-3, 0.0, -1e-3, 0.0), noise=noise, seed=8)), "gyro_offset")
-    assert std < 4e-3  # of the prior's 1e-2
+    assert std < 4e-3
     assert abs(value - 0.008) < 3.0 * std
 
 
@@ -255,7 +257,7 @@ def test_diagonal_residual_alone_cannot_tell_two_wheels_and_says_so(wheel: int) 
 
 
 def test_losses_just_below_the_level_and_noisy_ones_raise_no_alarm() -> None:
-    """15 % of 250 kPa is 0.15 % of radius; four standard deviations hold a larger but uncertain one back."""
+    """15 % of 250 kPa is 0.15 % of radius; a larger but uncertain one is held back by the threshold."""
     from estimators.wheel_radius.low_pressure import LowPressureAlarm
     from estimators.wheel_radius.wheel_change import CONTRASTS
 

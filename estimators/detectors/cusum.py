@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from estimators.detectors import recursions
 from estimators.detectors.cusum_run_length import AGREE, gaussian_run_length, run_length
-from estimators.detectors.detector import Detector, RunLength, both_sides, check_number, check_sides, numbers_of
+from estimators.detectors.detector import Detector, RunLength, both_sides, check_number, numbers_of
 from estimators.detectors.increments import NegativeSquared, Squared
 
 CHANGES = {"increase": "upper", "decrease": "lower"}
@@ -35,20 +35,8 @@ class CusumMean(Detector):
     sides: str = "upper"
     kind: ClassVar[int] = recursions.CUSUM
 
-    def __post_init__(self) -> None:
+    def _check(self) -> None:
         check_number("drift", self.drift, 0.0)
-        check_number("threshold", self.threshold, 0.0)
-        check_sides(self.sides)
-
-    @property
-    def level(self) -> float:
-        """The threshold."""
-        return self.threshold
-
-    @property
-    def state_size(self) -> int:
-        """g+ and g-."""
-        return 2
 
     def numbers(self) -> NDArray[np.float64]:
         """The sides, the drift up and down."""
@@ -73,25 +61,19 @@ class CusumVariance(Detector):
     change: str = "increase"
     kind: ClassVar[int] = recursions.CUSUM_SQUARE
 
-    def __post_init__(self) -> None:
+    def _check(self) -> None:
         check_number("drift", self.drift, 0.0, above=True)
-        check_number("threshold", self.threshold, 0.0)
         if self.change not in CHANGES:
             raise ValueError(f"change is {self.change!r}, valid: {', '.join(CHANGES)}")
 
     @property
-    def level(self) -> float:
-        """The threshold."""
-        return self.threshold
-
-    @property
-    def state_size(self) -> int:
-        """g for an increase, g for a decrease."""
-        return 2
+    def sides(self) -> str:  # type: ignore[override]
+        """Upper for an increase."""
+        return CHANGES[self.change]
 
     def numbers(self) -> NDArray[np.float64]:
         """The direction, the drift up and down."""
-        return numbers_of(CHANGES[self.change], self.drift, -self.drift)
+        return numbers_of(self.sides, self.drift, -self.drift)
 
     def average_run_length(self, mean: float = 0.0, std: float = 1.0) -> RunLength:
         """Exact. std: sqrt(S1 / S0) after the change."""

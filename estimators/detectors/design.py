@@ -25,6 +25,7 @@ from estimators.detectors.integrator import Integrator
 from estimators.detectors.local_cusum import LocalCusum, channel_run_length
 from estimators.detectors.threshold import check_run_length, threshold_for
 
+LARGEST_SHIFT = 1e6  # std
 PERIODS = (1, 2, 4, 8, 16, 32, 64, 128, 256)  # tried for an integrator
 _WEIGHTS = (0.03, 1.0)  # 1 - phi over shift^1.5, between which the quickest GMA is (0.05 to 0.4 as arl0 falls)
 _STEPS = 8  # of Newton's method for the GLR
@@ -47,7 +48,7 @@ class Design:
 
 def design_cusum_mean(shift: float, arl0: float, sides: str = "upper", drift: float | None = None) -> Design:
     """drift: [std], half the shift if None. Exact."""
-    check_number("shift", shift, 0.0, above=True)
+    check_number("shift", shift, 0.0, LARGEST_SHIFT, above=True)
     probe = CusumMean(0.5 * shift if drift is None else drift, 0.0, sides)
     h = threshold_for(arl0, lambda t: replace(probe, threshold=t).average_run_length().mean)
     return _shifted(replace(probe, threshold=h), shift)
@@ -66,7 +67,7 @@ def design_cusum_variance(before: float, after: float, arl0: float) -> Design:
 
 def design_ewma(shift: float, arl0: float, sides: str = "upper", forgetting: float | None = None) -> Design:
     """forgetting: phi, if None the one with the shortest delay for the shift. Exact."""
-    check_number("shift", shift, 0.0, above=True)
+    check_number("shift", shift, 0.0, LARGEST_SHIFT, above=True)
     check_run_length(arl0)
 
     def design(phi: float) -> Design:
@@ -88,7 +89,7 @@ def design_ewma(shift: float, arl0: float, sides: str = "upper", forgetting: flo
 
 def design_integrator(shift: float, arl0: float, sides: str = "both", period: int | None = None) -> Design:
     """period: samples (1 is the thesis' AC), if None the one of `PERIODS` with the shortest delay. Exact."""
-    check_number("shift", shift, 0.0, above=True)
+    check_number("shift", shift, 0.0, LARGEST_SHIFT, above=True)
 
     def design(n: int) -> Design:
         probe = Integrator(n, 0.0, sides)
@@ -105,7 +106,7 @@ def design_glr(shift: float, arl0: float, sides: str = "both", window: int | Non
 
     By importance sampling (direct simulation for short run lengths).
     """
-    check_number("shift", shift, 0.0, above=True)
+    check_number("shift", shift, 0.0, LARGEST_SHIFT, above=True)
     check_run_length(arl0)
     if window is None:
         wanted = ceil(4.0 * log(max(arl0, 2.0)) / shift**2)
@@ -137,7 +138,7 @@ def design_local_cusum(
 
     Every channel gets the same run length. One channel is exact; several share arl0 by a ratio that is simulated.
     """
-    check_number("shift", shift, 0.0, above=True)
+    check_number("shift", shift, 0.0, LARGEST_SHIFT, above=True)
     check_run_length(arl0)
     drifts = (0.5 * shift,) * len(limits) if drifts is None else drifts
     LocalCusum(limits, drifts, (1.0,) * len(limits), sides)  # refuses what makes no sense
@@ -160,5 +161,5 @@ def design_local_cusum(
 
 def _shifted(detector: Detector, shift: float) -> Design:
     """With its run lengths; a lower side is shown a fall."""
-    towards = -shift if getattr(detector, "sides", "upper") == "lower" else shift
+    towards = -shift if detector.sides == "lower" else shift
     return Design(detector, detector.average_run_length(), detector.average_run_length(towards), shift)

@@ -39,19 +39,34 @@ class RunLength:
 
 
 class Detector(ABC):
-    """A kind of detector with its parameters; subclasses are frozen dataclasses. ValueError if they make no sense."""
+    """A kind of detector with its parameters; subclasses are frozen dataclasses. ValueError if they make no sense.
+
+    Every kind has a threshold h >= 0 and `sides`, a key of `SIDES`.
+    """
 
     kind: ClassVar[int]
+    threshold: float
+    sides: str
+
+    def __post_init__(self) -> None:
+        self._check()
+        check_number("threshold", self.threshold, 0.0)
+        if self.sides not in SIDES:
+            raise ValueError(f"sides is {self.sides!r}, valid: {', '.join(SIDES)}")
+
+    @abstractmethod
+    def _check(self) -> None:
+        """ValueError unless the kind's own parameters make sense."""
 
     @property
-    @abstractmethod
     def level(self) -> float:
         """The statistic above which it alarms."""
+        return self.threshold
 
     @property
-    @abstractmethod
     def state_size(self) -> int:
         """Numbers that its recursion remembers."""
+        return 2
 
     @abstractmethod
     def numbers(self) -> NDArray[np.float64]:
@@ -60,12 +75,6 @@ class Detector(ABC):
     @abstractmethod
     def average_run_length(self, mean: float = 0.0, std: float = 1.0) -> RunLength:
         """Samples to the alarm when the residuals are independent and Gaussian with this mean and std."""
-
-
-def check_sides(sides: str) -> None:
-    """ValueError that lists the valid ones."""
-    if sides not in SIDES:
-        raise ValueError(f"sides is {sides!r}, valid: {', '.join(SIDES)}")
 
 
 def check_number(name: str, value: float, low: float, high: float = np.inf, above: bool = False) -> None:

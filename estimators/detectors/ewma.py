@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimators.detectors import recursions
-from estimators.detectors.detector import Detector, RunLength, check_number, check_sides, numbers_of
+from estimators.detectors.detector import Detector, RunLength, check_number, numbers_of
 from estimators.detectors.ewma_run_length import ewma_run_length
 
 LONGEST_MEMORY = 0.999  # of phi: the integral equation is resolved up to here
@@ -29,15 +29,8 @@ class Ewma(Detector):
     sides: str = "upper"
     kind: ClassVar[int] = recursions.EWMA
 
-    def __post_init__(self) -> None:
+    def _check(self) -> None:
         check_number("forgetting", self.forgetting, 0.0, LONGEST_MEMORY)
-        check_number("threshold", self.threshold, 0.0)
-        check_sides(self.sides)
-
-    @property
-    def level(self) -> float:
-        """The threshold."""
-        return self.threshold
 
     @property
     def state_size(self) -> int:

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimators.detectors import recursions
-from estimators.detectors.detector import Detector, RunLength, check_count, check_number, check_sides, numbers_of
+from estimators.detectors.detector import Detector, RunLength, check_count, numbers_of
 from estimators.detectors.glr_run_length import glr_run_length
 from estimators.detectors.simulate import simulated_run_length
 
@@ -35,15 +35,8 @@ class Glr(Detector):
     sides: str = "both"
     kind: ClassVar[int] = recursions.GLR
 
-    def __post_init__(self) -> None:
+    def _check(self) -> None:
         check_count("window", self.window, 1, LONGEST_WINDOW)
-        check_number("threshold", self.threshold, 0.0)
-        check_sides(self.sides)
-
-    @property
-    def level(self) -> float:
-        """The threshold."""
-        return self.threshold
 
     @property
     def state_size(self) -> int:

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimators.detectors import recursions
-from estimators.detectors.detector import Detector, RunLength, check_count, check_number, check_sides, numbers_of
+from estimators.detectors.detector import Detector, RunLength, check_count, numbers_of
 from estimators.detectors.integrator_run_length import LONGEST_PERIOD, integrator_run_length
 
 
@@ -27,20 +27,8 @@ class Integrator(Detector):
     sides: str = "both"
     kind: ClassVar[int] = recursions.INTEGRATOR
 
-    def __post_init__(self) -> None:
+    def _check(self) -> None:
         check_count("period", self.period, 1, LONGEST_PERIOD)
-        check_number("threshold", self.threshold, 0.0)
-        check_sides(self.sides)
-
-    @property
-    def level(self) -> float:
-        """The threshold."""
-        return self.threshold
-
-    @property
-    def state_size(self) -> int:
-        """The sum, the samples in it."""
-        return 2
 
     def numbers(self) -> NDArray[np.float64]:
         """The sides, the period."""

@@ -23,7 +23,7 @@ from scipy.optimize import brentq
 
 from estimators.detectors import recursions
 from estimators.detectors.cusum_run_length import AGREE, gaussian_run_length, run_length
-from estimators.detectors.detector import Detector, RunLength, both_sides, check_number, check_sides, numbers_of
+from estimators.detectors.detector import Detector, RunLength, both_sides, check_number, numbers_of
 from estimators.detectors.increments import Filtered
 from estimators.detectors.simulate import simulated_run_length
 
@@ -45,8 +45,7 @@ class LocalCusum(Detector):
     sides: str = "upper"
     kind: ClassVar[int] = recursions.LOCAL_CUSUM
 
-    def __post_init__(self) -> None:
-        check_sides(self.sides)
+    def _check(self) -> None:
         if not len(self.limits) == len(self.drifts) == len(self.thresholds) > 0:
             raise ValueError(
                 f"{len(self.limits)} limits, {len(self.drifts)} drifts and {len(self.thresholds)} thresholds, "
@@ -61,7 +60,7 @@ class LocalCusum(Detector):
                 raise ValueError(f"drift is {drift:g}, valid: below the limit {limit:g}, or the channel never alarms")
 
     @property
-    def level(self) -> float:
+    def threshold(self) -> float:  # type: ignore[override]
         """1: the statistic is in units of the thresholds."""
         return 1.0
 

@@ -1,17 +1,18 @@
 """Estimator `direct_pressure`: pressure, leak rate and leak alarm of each tyre from the sensors inside the tyres.
 
 What the seed's method (`published`) should have been. Per wheel the amount of gas, as the pressure at a reference
-temperature, so that the ideal gas law takes warming out; measured intervals (20 Hz or a sample a minute), measured
-noise. A bank of CUSUMs on the quiet tyre's whitened innovation raises the alarm, designed for one false alarm in 100 h
-over four wheels; it is latched until the tyre is filled. See `monitor`, `bank`, `numbers`. Estimates about once a
-second:
+temperature, so that the ideal gas law takes warming out; the wheel's speed says when the load can change, which moves
+the pressure too; measured intervals (20 Hz or a sample a minute), measured noise. A bank of CUSUMs on the quiet tyre's
+whitened innovation raises the alarm, designed for one false alarm in 100 h over four wheels; it is latched until the
+tyre is filled. See `monitor`, `onsets`, `numbers`. Estimates about once a second:
 
     WHEEL/pressure     gauge, at the present temperature [Pa]; the std holds the sensor's constant error
     WHEEL/leak_rate    loss at the present temperature [Pa/s]
 
-Nothing is said before all four sensors were heard. Without a temperature signal warming is noise, and only leaks
-faster than warming and cooling (about 25 Pa/s) are found soon. A load change that stays looks like a lost 0.1 % of
-pressure, a deliberate release of air like a leak.
+Each wheel stands alone: one whose pressure sensor is dead is flagged and not watched, the others are. Without a
+temperature signal warming is noise, and only leaks faster than warming and cooling (about 25 Pa/s) are found soon.
+Without a wheel speed a load change after a stop looks like a lost 0.1 % of pressure per 75 kg on the wheel: slow leaks
+take longer, and above that false alarms are more frequent. A deliberate release of air is a leak.
 """
 
 from __future__ import annotations
@@ -23,11 +24,25 @@ import numpy as np
 from estimators.car import Car
 from estimators.direct_pressure import numbers
 from estimators.direct_pressure.low_pressure import LowPressure
-from estimators.direct_pressure.monitor import LEAK, REFILL, SAID, SINCE, follow, new_memory
-from estimators.direct_pressure.samples import Complaint, Source, horizon_of, merged
+from estimators.direct_pressure.monitor import (
+    LEAK,
+    PRESSURE,
+    REFILL,
+    SAID,
+    SINCE,
+    SPEED,
+    TEMPERATURE,
+    follow,
+    new_memory,
+)
+from estimators.direct_pressure.noise import INTERVAL
+from estimators.direct_pressure.samples import Complaint, Source, Turning, horizon_of, merged
+from estimators.direct_pressure.standing import SLOWEST
 from estimators.drive_log import WHEELS, Signal
 from estimators.estimator import Alarm, Estimate, Estimator, Flag, Outputs
 from estimators.grid import REPEAT
+
+SIGNALS = ("tyre/{}/pressure", "tyre/{}/temperature", "wheel/{}/speed")
 
 
 class _Wheel:
@@ -35,25 +50,28 @@ class _Wheel:
 
     def __init__(self, name: str, car: Car) -> None:
         self.name = name
-        self.pressure = Source(f"tyre/{name}/pressure", numbers.LOWEST_PRESSURE, numbers.HIGHEST_PRESSURE)
+        self.pressure = Source(
+            f"tyre/{name}/pressure", numbers.LOWEST_PRESSURE, numbers.HIGHEST_PRESSURE, f"{name} is not watched"
+        )
         self.warmth = Source(f"tyre/{name}/temperature", numbers.LOWEST_TEMPERATURE, numbers.HIGHEST_TEMPERATURE)
+        self.speed = Source(f"wheel/{name}/speed", -numbers.FASTEST_WHEEL, numbers.FASTEST_WHEEL)
+        self.turning = Turning(SLOWEST)
         self.memory = new_memory()
         self.low = LowPressure(car.pressure)
         self.second: int | None = None
 
     @property
-    def sources(self) -> tuple[Source, Source]:
-        return self.pressure, self.warmth
+    def sources(self) -> tuple[Source, ...]:
+        return self.pressure, self.warmth, self.speed
 
     def step(self, horizon: float, alarms: list[Alarm]) -> tuple[np.ndarray, list[Complaint]]:
         """Rows of `SAID` to tell, one a second, and complaints; appends due alarms."""
-        time, value, complaints = self.pressure.take(horizon)
-        warm_time, warm_value, more = self.warmth.take(horizon)
-        events = merged((time, value), (warm_time, warm_value))
-        said, told = np.empty((len(time), len(SAID))), []
+        (time, value, complaints), warmth, speed = (source.take(horizon) for source in self.sources)
+        complaints += warmth[2] + speed[2]
+        events = merged((SPEED, *self.turning.thinned(*speed[:2])), (TEMPERATURE, *warmth[:2]), (PRESSURE, time, value))
+        row, told = np.empty((1, len(SAID))), []
         for i in range(len(events.time)):  # one at a time: an alarm's text is of its own moment
-            row = said[:1]
-            if not follow(self.memory, events.time[i : i + 1], events.warm[i : i + 1], events.value[i : i + 1], row):
+            if not follow(self.memory, events.time[i : i + 1], events.kind[i : i + 1], events.value[i : i + 1], row):
                 continue
             now = float(row[0, 0])
             if row[0, 6] == REFILL:
@@ -61,12 +79,12 @@ class _Wheel:
                 complaints.append((now, f"{self.pressure.name}: pressure rose at once, taken for filled"))
             if row[0, 6] == LEAK:
                 alarms.append(Alarm(now, self._leak(*row[0, :5].tolist()), (self.name,)))
-            if warning := self.low.step(float(row[0, 1]), float(np.hypot(row[0, 2], numbers.TOLERANCE))):
+            if warning := self.low.step(float(row[0, 1]), float(row[0, 2]), self.memory.noise[INTERVAL]):
                 alarms.append(Alarm(now, warning, (self.name,)))
             if self.second != int(np.floor(now)):
                 self.second = int(np.floor(now))
                 told.append(row[0].copy())
-        return np.array(told).reshape(-1, len(SAID)), complaints + more
+        return np.array(told).reshape(-1, len(SAID)), complaints
 
     def _leak(self, time: float, pressure: float, _: float, rate: float, std: float) -> str:
         hours = numbers.BETWEEN_FALSE_ALARMS / 3600.0
@@ -80,8 +98,9 @@ class DirectPressure(Estimator):
     """Four wheels side by side."""
 
     name = "direct_pressure"
-    requires = tuple(f"tyre/{wheel}/pressure" for wheel in WHEELS)
-    reads = (*requires, *(f"tyre/{wheel}/temperature" for wheel in WHEELS))
+    requires = ()
+    requires_any = tuple(f"tyre/{wheel}/pressure" for wheel in WHEELS)
+    reads = tuple(name.format(wheel) for name in SIGNALS for wheel in WHEELS)
 
     def __init__(self, car: Car) -> None:
         super().__init__(car)
@@ -100,29 +119,23 @@ class DirectPressure(Estimator):
         for wheel in self._wheels:
             rows[wheel.name], more = wheel.step(horizon, alarms)
             complaints += more
-        begin = self._begin()
         estimates: dict[str, Estimate] = {}
         for name, table in rows.items():
-            table = table[table[:, 0] >= begin]
             if len(table):
                 time, std = table[:, 0].copy(), np.hypot(table[:, 2], numbers.TOLERANCE)
                 estimates[f"{name}/pressure"] = Estimate(time, table[:, 1].copy(), std, "Pa")
                 estimates[f"{name}/leak_rate"] = Estimate(time.copy(), table[:, 3].copy(), table[:, 4].copy(), "Pa/s")
-        return Outputs(estimates, tuple(sorted(a for a in alarms if a.time >= begin)), self._flags(complaints))
+        return Outputs(estimates, tuple(sorted(alarms)), self._flags(complaints))
 
     def _sources(self) -> list[Source]:
         return [source for wheel in self._wheels for source in wheel.sources]
 
     def _expect(self, horizon: float) -> None:
         """Once one sensor speaks the others should."""
-        first = min((s.first_waiting() for s in self._sources()), default=np.inf)
+        first = min((source.first_waiting() for source in self._sources()), default=np.inf)
         if first <= horizon:
             for source in self._sources():
                 source.expect(first)
-
-    def _begin(self) -> float:
-        """When the last of the four pressure sensors was first heard [s], infinite until then."""
-        return max(wheel.pressure.first for wheel in self._wheels)
 
     def _flags(self, complaints: list[Complaint]) -> tuple[Flag, ...]:
         """In time order, the same text at most once in `REPEAT` seconds."""

@@ -1,10 +1,9 @@
-"""A tyre that may leak: Kalman filter on [a, r, e], whose states are the estimates.
+"""A tyre that may leak: Kalman filter on [a, e, l, r], whose states are the estimates.
 
-    a  pressure at the reference temperature [Pa], da/dt = -r
-    r  leak rate at the reference temperature [Pa/s], > 0 for a loss; random walk, and through an orifice it dies out
-       with the gauge pressure p:  dr/dt = -r^2 / p
-    e  as in the quiet tyre
-At the alarm it starts anew from the loss that the alarm's CUSUM saw (`bank`).
+    a, e, l  as in the quiet tyre, but da/dt = -r
+    r        leak rate at the reference temperature [Pa/s], > 0 for a loss; random walk, and through an orifice it dies
+             out with the gauge pressure p:  dr/dt = -r^2 / p
+At the alarm it starts anew from what the `onsets` say. State: shape (4, 5), as in `quiet`.
 """
 
 from __future__ import annotations
@@ -12,59 +11,87 @@ from __future__ import annotations
 import numpy as np
 
 from estimators.compiled import inlined
-from estimators.direct_pressure import bank, quiet
+from estimators.direct_pressure import quiet
+from estimators.direct_pressure.quiet import A, E, L
 
-A, R, E, AA, AR, AE, RR, RE, EE, SIZE = range(10)
+R, SIZE = 3, 4
+SHAPE = (SIZE, SIZE + 1)
 
 
 @inlined
 def start(x, z, variance, disturbance, rate_variance):
     """Before anything is known but a sample z."""
     x[:] = 0.0
-    x[A], x[AA], x[RR], x[EE] = z, variance, rate_variance, disturbance**2
+    x[A, 0], x[A, 1 + A], x[E, 1 + E], x[R, 1 + R] = z, variance, disturbance**2, rate_variance
 
 
 @inlined
-def start_from(x, q, row):
-    """From the quiet tyre's state q and a CUSUM's loss: x = q + b loss, P = P_q + b cov b'."""
-    offset, rate, oo, both, rr = bank.loss(row)
-    ao, ar, eo, er = row[bank.OFFSET_A], row[bank.RATE_A], row[bank.OFFSET_E], row[bank.RATE_E]
-    x[A] = q[quiet.A] + ao * offset + ar * rate
-    x[E] = q[quiet.E] + eo * offset + er * rate
-    x[R] = rate
-    x[AA] = q[quiet.AA] + ao * ao * oo + 2.0 * ao * ar * both + ar * ar * rr
-    x[AE] = q[quiet.AE] + ao * eo * oo + (ao * er + ar * eo) * both + ar * er * rr
-    x[EE] = q[quiet.EE] + eo * eo * oo + 2.0 * eo * er * both + er * er * rr
-    x[AR], x[RE], x[RR] = ao * both + ar * rr, eo * both + er * rr, rr
+def start_from(x, q, mean, second):
+    """From the quiet tyre's state q and a loss: first moments of [a, e, l, r] beyond q, shape (4,), and second ones,
+    shape (4, 4)."""
+    for i in range(SIZE):
+        x[i, 0] = mean[i]
+        for j in range(SIZE):
+            x[i, 1 + j] = second[i, j] - mean[i] * mean[j]
+    for i in range(quiet.SIZE):
+        x[i, 0] += q[i, 0]
+        for j in range(quiet.SIZE):
+            x[i, 1 + j] += q[i, 1 + j]
 
 
 @inlined
-def predict(x, dt, keeps, wander, disturbance, rate_wander, gauge):
-    """dt [s] on; wander, rate_wander: variances gained in that time; gauge: pressure that drives the leak [Pa]."""
-    dies = np.exp(-max(x[R], 0.0) * dt / gauge)
-    x[A] -= dt * x[R]
-    x[R] *= dies
-    x[E] *= keeps
-    x[AA] += dt * (dt * x[RR] - 2.0 * x[AR]) + wander + rate_wander * dt * dt / 3.0
-    x[AR] = dies * (x[AR] - dt * x[RR]) - rate_wander * dt / 2.0
-    x[AE] = keeps * (x[AE] - dt * x[RE])
-    x[RR] = dies * dies * x[RR] + rate_wander
-    x[RE] *= dies * keeps
-    x[EE] = keeps * keeps * x[EE] + (1.0 - keeps * keeps) * disturbance**2
+def jump(x, z, variance, rate_variance):
+    """A new level z, whatever was thought of it; the rate may have changed too."""
+    for i in range(SIZE):
+        x[A, 1 + i] = x[i, 1 + A] = 0.0
+    x[A, 0], x[A, 1 + A] = z - x[E, 0] - x[L, 0], variance + x[E, 1 + E] + x[L, 1 + L]
+    x[R, 1 + R] += rate_variance
 
 
 @inlined
-def correct(x, z, r):
-    """Takes a sample z [Pa] of variance r."""
-    row_a, row_r, row_e = x[AA] + x[AE], x[AR] + x[RE], x[AE] + x[EE]
-    total = row_a + row_e + r
-    miss = (z - x[A] - x[E]) / total
-    x[A] += row_a * miss
-    x[R] += row_r * miss
-    x[E] += row_e * miss
-    x[AA] -= row_a * row_a / total
-    x[AR] -= row_a * row_r / total
-    x[AE] -= row_a * row_e / total
-    x[RR] -= row_r * row_r / total
-    x[RE] -= row_r * row_e / total
-    x[EE] -= row_e * row_e / total
+def predict(x, dt, keeps, gained, rate_wander, gauge):
+    """dt [s] on; keeps, gained: as in `quiet`; rate_wander: variance that r gains [Pa^2/s^2]; gauge: pressure that
+    drives the leak [Pa]."""
+    share = max(x[R, 0], 0.0) * dt / gauge  # of the gauge pressure that is lost, were the rate to last
+    dies = np.exp(-share)
+    x[A, 0] -= gauge * (1.0 - dies) if share > 1e-6 else dt * x[R, 0]
+    x[R, 0] *= dies
+    for j in range(SIZE):
+        x[A, 1 + j] -= dt * dies * x[R, 1 + j]
+    for i in range(SIZE):
+        x[i, 1 + A] -= dt * dies * x[i, 1 + R]
+    for i in range(SIZE):
+        if i < R:
+            x[i, 0] *= keeps[i]
+        kept = keeps[i] if i < R else dies * (1.0 - share)
+        for j in range(SIZE):
+            x[i, 1 + j] *= kept
+            x[j, 1 + i] *= kept
+    for i in range(quiet.SIZE):
+        x[i, 1 + i] += gained[i]
+    x[A, 1 + A] += rate_wander * dt * dt / 3.0
+    x[A, 1 + R] -= rate_wander * dt / 2.0
+    x[R, 1 + A] = x[A, 1 + R]
+    x[R, 1 + R] += rate_wander
+
+
+@inlined
+def level(x):
+    """What a sample should be at the reference temperature [Pa], and the variance of that [Pa^2]."""
+    variance = 0.0
+    for i in range(quiet.SIZE):
+        variance += x[i, 1 + A] + x[i, 1 + E] + x[i, 1 + L]
+    return x[A, 0] + x[E, 0] + x[L, 0], max(variance, 0.0)
+
+
+@inlined
+def correct(x, z, r, row):
+    """Takes a sample z [Pa] of variance r. row: scratch of shape (4,)."""
+    expected, variance = level(x)
+    total = variance + r
+    for i in range(SIZE):
+        row[i] = x[i, 1 + A] + x[i, 1 + E] + x[i, 1 + L]
+    for i in range(SIZE):
+        x[i, 0] += row[i] / total * (z - expected)
+        for j in range(SIZE):
+            x[i, 1 + j] -= row[i] * row[j] / total

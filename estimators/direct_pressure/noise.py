@@ -3,7 +3,7 @@
 The variance of a sample is first taken from second differences (a ramp, and so a leak, has none), then follows the
 squared whitened innovations, each at most 9; it is frozen while a CUSUM is above half its threshold. It is never below
 that of the rounding, which repeats itself and so cannot be seen while nothing moves. Until it is well known it is taken
-larger, by two of its standard deviations.
+larger, by two of its standard deviations, for alarms.
 """
 
 from __future__ import annotations
@@ -61,8 +61,13 @@ def follow(n, square):
 
 
 @inlined
-def variance(n):
-    """Of a sample, to work with [Pa^2]."""
+def likely(n):
+    """Variance of a sample [Pa^2], as it is likely to be."""
     step = n[STEP] if n[STEP] < np.inf else MODEL.noise_std * 12.0**0.5
-    floor = step**2 / 12.0 + MODEL.least_noise_std**2
-    return max(n[VARIANCE], floor) * (1.0 + 2.0 * (2.0 / n[WEIGHT]) ** 0.5)
+    return max(n[VARIANCE], step**2 / 12.0 + MODEL.least_noise_std**2)
+
+
+@inlined
+def variance(n):
+    """The same, on the safe side: for alarms."""
+    return likely(n) * (1.0 + 2.0 * (2.0 / n[WEIGHT]) ** 0.5)

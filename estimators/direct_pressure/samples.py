@@ -1,7 +1,7 @@
-"""What a wheel's two sensors said, merged into events in time order, and what was wrong with it.
+"""What a wheel's sensors said, merged into events in time order, and what was wrong with it.
 
-An event is taken up once the clock is `LATENCY` past it, a temperature before the pressure of the same instant; so the
-result does not depend on how the stream is cut. Real sensors speak once in a minute: what counts as silence is a
+An event is taken up once the clock is `LATENCY` past it, a pressure after the others of the same instant; so the result
+does not depend on how the stream is cut. Real sensors speak once in a minute: what counts as silence is a
 multiple of the sensor's own interval.
 """
 
@@ -25,18 +25,19 @@ Complaint = tuple[float, str]
 
 @dataclass(frozen=True, eq=False)
 class Events:
-    """In time order. time [s]; warm: a temperature [K], else a pressure [Pa, gauge]; value; all of shape (n,)."""
+    """In time order. time [s]; kind: as in `monitor`; value; all of shape (n,)."""
 
     time: NDArray[np.float64]
-    warm: NDArray[np.bool_]
+    kind: NDArray[np.int64]
     value: NDArray[np.float64]
 
 
 class Source:
-    """One sensor's signal. lowest, highest: beyond it a value is no tyre's."""
+    """One sensor's signal. lowest, highest: beyond it a value is no tyre's; without: what its silence means."""
 
-    def __init__(self, name: str, lowest: float, highest: float) -> None:
+    def __init__(self, name: str, lowest: float, highest: float, without: str = "") -> None:
         self.name, self._lowest, self._highest = name, lowest, highest
+        self._without = without and f", {without}"
         self._intake = Intake(LONGEST_GAP)
         self._time, self._value = np.empty(0), np.empty(0)
         self._taken = -np.inf  # horizon up to which samples were taken up
@@ -102,17 +103,37 @@ class Source:
         limit = UNKNOWN if self._interval is None else max(LEAST_SILENCE, INTERVALS * self._interval)
         if clock - self._last > limit:
             self._silent = True
-            complaints.append((self._last + limit, f"{self.name}: no usable sample for {limit:.3g} s"))
+            complaints.append((self._last + limit, f"{self.name}: no usable sample for {limit:.3g} s{self._without}"))
 
 
-def merged(
-    pressure: tuple[NDArray[np.float64], NDArray[np.float64]], warmth: tuple[NDArray[np.float64], NDArray[np.float64]]
-) -> Events:
-    """Events of (time, value) of both sensors."""
-    time = np.concatenate([warmth[0], pressure[0]])
-    warm = np.arange(len(time)) < len(warmth[0])
+def merged(*sources: tuple[int, NDArray[np.float64], NDArray[np.float64]]) -> Events:
+    """Events of (kind, time, value) of some sensors; of one instant in the order given."""
+    time = np.concatenate([source[1] for source in sources])
+    kind = np.repeat([source[0] for source in sources], [len(source[1]) for source in sources])
     order = np.argsort(time, kind="stable")
-    return Events(time[order], warm[order], np.concatenate([warmth[1], pressure[1]])[order])
+    return Events(time[order], kind[order], np.concatenate([source[2] for source in sources])[order])
+
+
+class Turning:
+    """Of a wheel's speed at 100 Hz what `standing` needs: where it begins or ends to turn, and one sample a second."""
+
+    def __init__(self, slowest: float) -> None:
+        """slowest: [rad/s], up to which a wheel stands."""
+        self._slowest = slowest
+        self._stood: bool | None = None
+        self._second = -np.inf
+
+    def thinned(
+        self, time: NDArray[np.float64], value: NDArray[np.float64]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Those of the samples in time order, shape (n,), that tell something new."""
+        if len(time) == 0:
+            return time, value
+        stands, second = np.abs(value) <= self._slowest, np.floor(time)
+        before = np.concatenate([[stands[0] if self._stood is None else self._stood], stands[:-1]])
+        told = (stands != before) | (second != np.concatenate([[self._second], second[:-1]]))
+        self._stood, self._second = bool(stands[-1]), float(second[-1])
+        return time[told], value[told]
 
 
 def horizon_of(until: float) -> float:

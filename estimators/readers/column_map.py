@@ -103,11 +103,11 @@ def load_map(source: ColumnMap | Mapping[str, Any] | str | Path) -> ColumnMap:
 
 
 def fitting_map(path: Path, columns: Iterable[str]) -> ColumnMap:
-    """The built-in map whose columns are all there. Raises ValueError if none is."""
+    """The built-in map whose columns are all there, time aside: an MDF channel brings its own. ValueError if none."""
     present = set(columns)
     for name in _built_in_names():
         candidate = load_map(name)
-        if candidate.columns <= present:
+        if candidate.columns - {candidate.time_column} <= present:
             return candidate
     shown = ", ".join(sorted(present)[:8])
     raise ValueError(

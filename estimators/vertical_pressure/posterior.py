@@ -134,4 +134,4 @@ class Posterior:
 def moments(probability: NDArray[np.float64], value: NDArray[np.float64]) -> tuple[float, float]:
     """Mean and std."""
     mean = float(probability @ value)
-    return mean, float(probability @ (value - mean) ** 2) ** 0.5
+    return mean, max(float(probability @ (value - mean) ** 2), 0.0) ** 0.5

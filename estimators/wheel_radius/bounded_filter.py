@@ -19,15 +19,21 @@ OUTLIER = 3.0
 
 
 class Anchor:
-    """A value that follows a signal only when the two are more than a band apart."""
+    """A value that follows a signal only when the two are more than a band apart.
 
-    def __init__(self) -> None:
-        self._value = float("nan")
+    memory: samples over which the signal is averaged before (exponentially), so that noise does not leave the band.
+    """
+
+    def __init__(self, memory: float = 1.0) -> None:
+        self._value = self._mean = float("nan")
+        self._memory = memory
 
     def follow(self, signal: float, band: float) -> float:
         """The anchor after seeing `signal`."""
-        if not abs(signal - self._value) <= band:
-            self._value = signal
+        known = self._mean == self._mean
+        self._mean = self._mean + (signal - self._mean) / self._memory if known else signal
+        if not abs(self._mean - self._value) <= band:
+            self._value = self._mean
         return self._value
 
 
@@ -65,6 +71,11 @@ class BoundedFilter:
         if (std > self._bound).any():
             scale = self._bound / np.maximum(std, self._bound)
             self._filter.P = self._filter.P * np.outer(scale, scale)
+
+    def forget(self, state: int) -> None:
+        """The state keeps its value, is as uncertain as at the start, and tells nothing of the others."""
+        self._filter.P[state, :] = self._filter.P[:, state] = 0.0
+        self._filter.P[state, state] = self._bound[state] ** 2
 
     def innovation(self, measured: float, row: NDArray[np.float64]) -> float:
         """measured - row @ x."""

@@ -1,17 +1,18 @@
-"""Left against right wheel of each axle by yaw rate (Persson et al. 2002), five states, ISO signs.
+"""Left against right wheel of each axle by yaw rate (Persson et al. 2002), their five states and two more, ISO signs.
 
-x = (yaw rate [rad/s], yaw acceleration [rad/s^2], gyro offset [rad/s], delta34, delta12 [-]),
+x = (yaw rate [rad/s], yaw acceleration [rad/s^2], gyro offset [rad/s], delta34, delta12 [-], unlike34, unlike12 [-]),
 delta34 = r3/r4 - 1 (rear), delta12 = r1/r2 - 1 (front), wheels fl fr rl rr = 1 2 3 4. A left turn is positive:
     gyro                            = yaw + offset
-    R (w4 - w3) / t_r               = yaw + (R w3 / t_r) delta34
-    R (w2 - w1) / (t_f cos d)       = yaw + (R w1 / (t_f cos d)) delta12
-The paper writes both wheel lines with the opposite yaw (SAE axes) and without cos d. Only the yaw acceleration is
-driven.
+    R (w4 - w3) / t_r               = yaw + (R w3 / t_r) (delta34 - pull_r unlike34)
+    R (w2 - w1) / (t_f cos d)       = yaw + (R w1 / (t_f cos d)) (delta12 - pull_f unlike12)
+The paper writes both wheel lines with the opposite yaw (SAE axes), without cos d and without slip: `unlike` is the 1/k
+of the left wheel less the right one's, since a tyre that has lost pressure also slips less under the same pull. Only
+the yaw acceleration is driven.
 
-Rank 4 of 5 at constant speed: an offset looks like both deltas. They part when the speed changes or while the car
-stands (yaw = 0: the gyro reads its offset). So the speed enters the information through an anchor and the covariance
-stays within the prior (`bounded_filter`). Without a gyro, lateral acceleration over speed stands in; its offset [m/s^2]
-is the third state then. Left out: load transfer (strong curves are not read), bank.
+At constant speed one rank short: an offset looks like both deltas. They part when the speed changes or while the car
+stands (yaw = 0: the gyro reads its offset). So the speed enters the information through an anchor, the pull too, and
+the covariance stays within the prior (`bounded_filter`). Without a gyro, lateral acceleration over speed stands in; its
+offset [m/s^2] is the third state then. Left out: load transfer (strong curves are not read), bank.
 """
 
 from __future__ import annotations
@@ -26,7 +27,10 @@ from estimators.wheel_radius.noise import NoiseLevel
 
 DELTA_STD = 5e-3  # equal tyres differ by 0.3-0.6 %
 DRIFT = 1e-4  # [1/sqrt(s)] of a delta: a step of 0.25 % is followed within a minute
-OFFSET_STD = (0.01, 0.1)  # gyro [rad/s], lateral accelerometer standing in for it [m/s^2] (bank, mounting)
+UNLIKE_STD, UNLIKE_DRIFT = 2.5e-3, 2e-4  # [-], [1/sqrt(s)]: a low tyre's 1/k is a tenth smaller
+PULL_EXCITATION = 0.02  # [-] by which the pull must move to tell slip from radius
+SMOOTHING = 10.0  # cells over which the pull is averaged before
+OFFSET_STD = (0.005, 0.1)  # gyro [rad/s], lateral accelerometer standing in for it [m/s^2] (bank, mounting)
 OFFSET_DRIFT = (5e-6, 2e-3)  # per sqrt(s)
 GYRO_NOISE = (1e-3, 0.05)  # of a cell [rad/s], [m/s^2], before it is measured
 LEAST_GYRO = 0.1  # of that, which a measurement may not fall below
@@ -37,7 +41,9 @@ EXCITATION = 0.02  # relative change of speed that parts offset and radius
 STANDSTILL_NOISE = 1e-4  # [rad/s] of a yaw rate that is zero
 LONGEST_STEP = 0.25  # [s]; after a longer gap the yaw motion is unknown
 SPEED_ERROR = 0.1  # [rad/s] of a cell's wheel speed before it is measured
-REAR, FRONT = 3, 4  # states
+STATES = 7
+REAR, FRONT = 3, 4  # states of the deltas; those of unlike slip stand UNLIKE behind
+UNLIKE = 2
 
 
 class Lateral:
@@ -50,16 +56,18 @@ class Lateral:
     def _start(self, stand_in: bool) -> None:
         """Set the prior for a source of yaw: the gyro, or the lateral accelerometer standing in for it."""
         self._stand_in = stand_in
+        unlike = 0.0 if self._drift == 0.0 else UNLIKE_DRIFT
         self._filter = BoundedFilter(
-            [0.0] * 5,
-            [*YAW_STD, OFFSET_STD[stand_in], DELTA_STD, DELTA_STD],
-            [0.0, 0.0, OFFSET_DRIFT[stand_in], self._drift, self._drift],
+            [0.0] * STATES,
+            [*YAW_STD, OFFSET_STD[stand_in], DELTA_STD, DELTA_STD, UNLIKE_STD, UNLIKE_STD],
+            [0.0, 0.0, OFFSET_DRIFT[stand_in], self._drift, self._drift, unlike, unlike],
         )
         self._noise = PairNoise(self._car, GYRO_NOISE[stand_in] * (0.1 if stand_in else 1.0))
         self._still = NoiseLevel(GYRO_NOISE[stand_in] ** 2)
         self._anchor = Anchor()
+        self._pulls = {REAR: Anchor(SMOOTHING), FRONT: Anchor(SMOOTHING)}
         self._stepped: float | None = None
-        self.seconds = 0.0
+        self.seconds = {REAR: 0.0, FRONT: 0.0}
 
     def step(self, motion: Motion) -> None:
         """Take one cell."""
@@ -74,32 +82,37 @@ class Lateral:
             self._noise.interrupt()
         if not usable:
             return
-        gyro_row = np.array([1.0, 0.0, motion.gyro_gain, 0.0, 0.0])
+        gyro_row = np.zeros(STATES)
+        gyro_row[0], gyro_row[2] = 1.0, motion.gyro_gain
         if motion.standing:
-            self._filter.update(0.0, np.eye(5)[0], STANDSTILL_NOISE**2)
+            self._filter.update(0.0, np.eye(STATES)[0], STANDSTILL_NOISE**2)
             explained = self._filter.spread(gyro_row)
             self._still.add(self._filter.update(motion.gyro, gyro_row, self._still.variance), explained)
             return
         self._still.interrupt()
         self._read_wheels(motion, gyro_row)
-        self.seconds += 0.1
 
     def _read_wheels(self, motion: Motion, gyro_row: NDArray[np.float64]) -> None:
         """Update with gyro, rear and front axle, each as noisy as it was measured to be."""
         anchored = self._anchor.follow(motion.speed, EXCITATION * motion.speed)
-        measured, rows = [motion.gyro], [gyro_row]
+        measured, rows, gains = [motion.gyro], [gyro_row], [gyro_row]
         for state in (REAR, FRONT):
-            line = wheel_line(self._car, state, motion.omega, motion.cos_steer)
-            measured.append(line[0])
-            rows.append(line[1])
+            pull = float(motion.pull[0 if state == FRONT else 1])
+            value, row = wheel_line(self._car, state, motion.omega, motion.cos_steer, pull)
+            gain = row.copy()
+            gain[state] = anchored / axle_track(self._car, state, motion.cos_steer)
+            gain[state + UNLIKE] = -gain[state] * self._pulls[state].follow(pull, PULL_EXCITATION)
+            measured.append(value)
+            rows.append(row)
+            gains.append(gain)
         variances = self._noise.variances()
         self._noise.add(self._filter, measured, rows)
         least = LEAST_GYRO * GYRO_NOISE[self._stand_in] * motion.gyro_gain
         self._filter.update(motion.gyro, gyro_row, max(variances[0], least**2))
         for i, state in ((1, REAR), (2, FRONT)):
-            excited = rows[i].copy()
-            excited[state] = anchored / axle_track(self._car, state, motion.cos_steer)
-            self._filter.update(measured[i], rows[i], variances[i], excited)
+            if not np.isnan(measured[i]):
+                self._filter.update(measured[i], rows[i], variances[i], gains[i])
+                self.seconds[state] += 0.1
 
     def delta(self, state: int) -> tuple[float, float]:
         """(r_left / r_right - 1, std) of an axle, REAR or FRONT [-]."""
@@ -137,6 +150,9 @@ class PairNoise:
         """The differences of one cell before it is used: gyro, rear and front [rad/s] and their rows."""
         pairs = ((1, 0, self._rear_gyro), (2, 0, self._front_gyro), (1, 2, self._rear_front))
         for a, b, level in pairs:
+            if np.isnan(measured[a] - measured[b]):
+                level.interrupt()
+                continue
             row = rows[a] - rows[b]
             level.add(kalman.innovation(measured[a] - measured[b], row), kalman.spread(row))
 
@@ -148,7 +164,7 @@ class PairNoise:
 
 def yaw_step(elapsed: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Transition and process noise over `elapsed` [s]; beyond `LONGEST_STEP` the yaw motion is unknown."""
-    transition, noise = np.eye(5), np.zeros((5, 5))
+    transition, noise = np.eye(STATES), np.zeros((STATES, STATES))
     if elapsed > LONGEST_STEP:
         transition[:2, :2] = 0.0
         noise[:2, :2] = np.diag(np.square(YAW_STD))
@@ -159,12 +175,17 @@ def yaw_step(elapsed: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     return transition, noise
 
 
-def wheel_line(car: Car, state: int, omega: NDArray[np.float64], cos_steer: float) -> tuple[float, NDArray[np.float64]]:
-    """Yaw rate that an axle's wheels (4,) [rad/s] say at nominal radius [rad/s], and its measurement row (5,)."""
+def wheel_line(
+    car: Car, state: int, omega: NDArray[np.float64], cos_steer: float, pull: float = 0.0
+) -> tuple[float, NDArray[np.float64]]:
+    """Yaw rate that an axle's wheels (4,) [rad/s] say at nominal radius [rad/s], NaN if one is missing, and its
+    measurement row (7,). pull: force over load of that axle's tyres [-]."""
     left, right = (2, 3) if state == REAR else (0, 1)
     track = axle_track(car, state, cos_steer)
-    row = np.array([1.0, 0.0, 0.0, 0.0, 0.0])
+    row = np.zeros(STATES)
+    row[0] = 1.0
     row[state] = car.rolling_radius * float(omega[left]) / track
+    row[state + UNLIKE] = -row[state] * pull
     return car.rolling_radius * float(omega[right] - omega[left]) / track, row
 
 

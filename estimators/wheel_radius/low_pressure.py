@@ -3,14 +3,18 @@
 For every set of one, two or three wheels the common loss x of the set is fitted (generalised least squares); a set and
 its complement differ in the sign, and only x < 0, a loss, counts. The set with the least misfit wins, each further
 wheel costing `PER_WHEEL` of misfit. Sets of no more wheels whose misfit is within `DISTINCT` of it could be meant as
-well: at constant speed only the diagonal contrast is known, which cannot tell fl from rr. It alarms when -x exceeds
-both
-    LEVEL of the nominal pressure times the car's radius sensitivity      (15 %: 0.15 % of radius for the default car)
-    SIGMAS standard deviations of x
-for `PERSISTENCE` without a break; and again once other wheels have been meant for as long. UN R141 asks for -20 %,
-FMVSS 138 for -25 %: on a car of the mean sensitivity 15 % leaves a margin for noise; on a car 40 % less sensitive a
-loss of 25 % just reaches it. Equal loss in all four is invisible, and a payload behind the rear axle looks like a loss
-in both rear tyres. The threshold is a level, not a designed test, and no false-alarm rate is claimed.
+well: at constant speed only the diagonal contrast is known, which cannot tell fl from rr. Two questions are kept
+apart:
+
+Is there a loss at all? The significance -x / std, once a second, is averaged (`Ewma`, memory about 1 / (1 - FORGETTING)
+seconds) and compared with THRESHOLD, which gives FALSE_PER_HOUR on sound tyres. The significance is neither Gaussian
+nor independent (the greatest of 14 fits; errors that last a drive), so the threshold is the empirical one of
+`estimators.detectors.empirical_threshold`, see `thresholds`.
+Does it matter? -x must exceed LEVEL of the nominal pressure times the car's radius sensitivity (15 %: 0.15 % of radius
+for the default car). UN R141 asks for -20 %, FMVSS 138 for -25 %: on a car of the mean sensitivity 15 % leaves a margin
+for noise; on a car 40 % less sensitive a loss of 25 % just reaches it. This only makes alarms rarer.
+
+Other wheels are announced once they have been meant for NAMING_TIME. Equal loss in all four is invisible.
 """
 
 from __future__ import annotations
@@ -22,13 +26,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimators.car import Car
+from estimators.detectors import Monitor
 from estimators.drive_log import WHEELS
 from estimators.estimator import Alarm
+from estimators.wheel_radius.thresholds import alarm_detector
 from estimators.wheel_radius.wheel_change import CONTRASTS
 
 LEVEL = 0.15
-SIGMAS = 4.0
-PERSISTENCE = 10.0  # [s]
+NAMING_TIME = 10.0  # [s]
 RELEASE = 60.0  # [s] without a loss after which the same wheels alarm anew
 PER_WHEEL = 4.0  # misfit (chi-square) that a further wheel must explain
 DISTINCT = 9.0  # misfit by which another set must be worse to be ruled out: 3 standard deviations
@@ -44,6 +49,11 @@ class Loss:
     change: float
     std: float
     candidates: tuple[tuple[int, ...], ...] = ()
+
+    @property
+    def significance(self) -> float:
+        """The loss in its standard deviations, 0 if there is none."""
+        return -self.change / self.std if self.std > 0.0 else 0.0
 
     @property
     def certain(self) -> tuple[int, ...]:
@@ -78,24 +88,24 @@ class LowPressureAlarm:
         self.level = LEVEL * car.pressure * car.radius_sensitivity
         self._candidates: frozenset[tuple[int, ...]] = frozenset()
         self._since = 0.0  # these candidates
-        self._begun = np.inf  # the loss
+        self._monitor = Monitor(alarm_detector(), "clear")
         self._announced: frozenset[tuple[int, ...]] = frozenset()
         self._last_loss = -np.inf
 
     def step(self, time: float, contrasts: NDArray[np.float64], covariance: NDArray[np.float64]) -> Alarm | None:
         """An alarm if one is due at `time` [s]."""
         loss = likeliest_loss(contrasts, covariance)
-        if not -loss.change > max(self.level, SIGMAS * loss.std):
-            self._candidates, self._begun = frozenset(), np.inf
+        significant = self._monitor.step(loss.significance).alarm
+        if not (significant and -loss.change > self.level):
+            self._candidates = frozenset()
             if time - self._last_loss > RELEASE:
                 self._announced = frozenset()
             return None
-        self._last_loss, self._begun = time, min(self._begun, time)
+        self._last_loss = time
         meant = frozenset(loss.candidates)
         if meant != self._candidates:
             self._candidates, self._since = meant, time
-        held = time - (self._since if self._announced else self._begun)
-        if held < PERSISTENCE or meant == self._announced:
+        if meant == self._announced or (self._announced and time - self._since < NAMING_TIME):
             return None
         self._announced = meant
         return Alarm(time, self._text(loss), tuple(WHEELS[i] for i in loss.certain))

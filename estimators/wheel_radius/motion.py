@@ -6,12 +6,12 @@ From cell averages of wheel speeds, gyro, accelerometer, driven-axle torque and 
 Rolling speeds of the wheels in a curve, yaw rate r, front steering angle d, rear-axle speed v, no side slip at the
 rear:
     front  (v -+ r t_f / 2) cos d + L r sin d          rear  v -+ r t_r / 2          (upper sign: left wheel)
-Normalised traction mu of the driven wheel less that of the free one, for axle torque T, wheel inertias J, acceleration
-a:
-    mu = (T / (2 R) - J_d a / R^2) / F_d + (J_n a / R^2) / F_n,   F: wheel loads with load transfer m a h / (2 L)
-Without a torque signal the force is taken from the accelerometer, F = m f_x + drag (f_x: specific force, so a grade
-does not matter), only while the car is not slowing down. Left out: lift, rolling resistance (the same on both axles),
-and the radius' own dependence on load and speed, which is why hard driving is not read.
+What drives and brakes the tyres is in `traction`. Left out: lift, rolling resistance (the same on both axles), and the
+radius' own dependence on load and speed, which is why hard driving is not read.
+
+Reversing: speeds that have a sign are below 0 then and not read; without one the wheels turn the other way round than
+the gyro says, and a cell in which the two contradict each other is not read. A wheel that is dead is NaN, or stands
+while the others roll; what its neighbours tell is still read.
 """
 
 from __future__ import annotations
@@ -21,8 +21,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from estimators.car import AIR_DENSITY, GRAVITY, Car
+from estimators.car import Car
 from estimators.grid import Channel
+from estimators.wheel_radius.traction import axle_pull, drive_force, net_force, traction
 
 STUCK = 3.0  # [s]; a moving wheel's speed is never the same for so long, in steps of 0.01 to 0.04 km/h
 CHANNELS = (
@@ -38,8 +39,11 @@ MAX_SPEED = 100.0  # [m/s]; above, a wheel-speed sensor is wrong
 MAX_LATERAL = 1.0  # [m/s^2]; load transfer then moves a radius by less than 0.05 %
 MAX_LONGITUDINAL = 3.0  # [m/s^2]
 MAX_SLIP = 0.03  # linear part of the slip curve, and tyres of one car differ by less
-MAX_TRACTION = 0.3  # linear part of the slip curve
-BRAKING = 0.4  # [m/s^2] that the car is slower than its torque explains, plus a quarter of what the torque gives
+MAX_YAW_DOUBT, MAX_SIDE = (
+    0.05,
+    0.01,
+)  # [rad/s], [-] of radius by which the rear wheels' yaw rate may differ from the gyro's
+DEAD_SHARE = 0.3  # of the others' speed below which a wheel does not roll
 STANDSTILL_CELLS = 10  # with every wheel at rest before the car counts as standing
 STANDSTILL_OMEGA = 0.02  # [rad/s]
 
@@ -50,7 +54,10 @@ class Motion:
 
     gyro: measured yaw rate [rad/s], NaN if none; gyro_gain: what an offset of one unit of the gyro (rad/s), or of the
     lateral accelerometer standing in for it (m/s^2, `stand_in`), adds to `gyro`; traction mu [-], NaN while unknown;
-    readable: radii may be read from this cell; standing: all wheels have been at rest for a second.
+    pull: (2,) force over load of the front and rear axle [-], 0 where unknown; force: of the drive, less what spins up
+    the wheels and the air drag [N], NaN while braking or without a torque signal; specific: along the car [m/s^2], NaN
+    if none; readable: radii may be read from this cell, of the wheels whose omega is a number; standing: all wheels
+    have been at rest for a second.
     """
 
     index: int
@@ -63,6 +70,9 @@ class Motion:
     gyro_gain: float
     stand_in: bool
     traction: float
+    pull: NDArray[np.float64]
+    force: float
+    specific: float
     readable: bool
     standing: bool
 
@@ -74,6 +84,7 @@ class MotionTracker:
         self._car, self._step = car, step
         self._last: tuple[int, float] | None = None
         self._standing_cells = 0
+        self.dead = np.zeros(4, dtype=bool)
         self.torque_seen = False
         self.gyro_seen = False
 
@@ -82,8 +93,8 @@ class MotionTracker:
         car = self._car
         omega, (gyro, accel_x, accel_y, torque, wheel_angle) = cell[:4].copy(), cell[4:].tolist()
         omega[np.abs(omega) * car.rolling_radius > MAX_SPEED] = np.nan
-        free = omega[2:] if car.driven_axle == "front" else omega[:2]
-        speed = float(free.mean()) * car.rolling_radius
+        self._without_dead(omega)
+        speed = self._speed(omega)
         acceleration = self._acceleration(index, speed)
         self.torque_seen |= not np.isnan(torque)
         self.gyro_seen |= not np.isnan(gyro)
@@ -96,14 +107,16 @@ class MotionTracker:
         steer = wheel_angle / car.steering_ratio
         if np.isnan(steer):
             steer = car.wheelbase * yaw_rate / speed if moving else 0.0
-        ratio = float(omega[:2].mean() / omega[2:].mean()) if moving else np.nan
+        doubt = MAX_YAW_DOUBT + MAX_SIDE * speed / car.rear_track
         readable = bool(
             moving
-            and abs(ratio - 1.0) < MAX_SLIP
+            and not abs(_ratio(omega) - 1.0) > MAX_SLIP
             and abs(speed * yaw_rate) < MAX_LATERAL
+            and not abs(wheel_yaw - yaw_rate) > doubt
             and not abs(acceleration) > MAX_LONGITUDINAL
         )
-        self._standing_cells = self._standing_cells + 1 if bool((np.abs(omega) < STANDSTILL_OMEGA).all()) else 0
+        self._standing_cells = self._standing_cells + 1 if bool((np.abs(cell[:4]) < STANDSTILL_OMEGA).all()) else 0
+        force = drive_force(car, speed, acceleration, accel_x, torque if self.torque_seen else None)
         return Motion(
             index=index,
             time=time,
@@ -114,10 +127,30 @@ class MotionTracker:
             gyro=gyro,
             gyro_gain=gain,
             stand_in=not self.gyro_seen,
-            traction=self._traction(speed, acceleration, accel_x, torque),
+            traction=traction(car, force, acceleration),
+            pull=axle_pull(car, force, speed, acceleration, accel_x),
+            force=net_force(car, force, speed, acceleration) if self.torque_seen else float("nan"),
+            specific=accel_x,
             readable=readable,
             standing=self._standing_cells >= STANDSTILL_CELLS,
         )
+
+    def _without_dead(self, omega: NDArray[np.float64]) -> None:
+        """Wheels that stand while others roll become NaN, and are remembered in `dead`."""
+        known = omega[np.isfinite(omega)]
+        fastest = float(np.median(known)) if len(known) > 1 else 0.0
+        if fastest * self._car.rolling_radius > MIN_SPEED:
+            dead = np.abs(omega) < DEAD_SHARE * fastest
+            self.dead |= dead
+            omega[dead] = np.nan
+
+    def _speed(self, omega: NDArray[np.float64]) -> float:
+        """Of the wheels that roll freely, of all where none of those is known [m/s]."""
+        free = {"front": omega[2:], "rear": omega[:2], "all": omega}[self._car.driven_axle]
+        known = free[np.isfinite(free)]
+        if not len(known):
+            known = omega[np.isfinite(omega)]
+        return float(known.mean()) * self._car.rolling_radius if len(known) else float("nan")
 
     def _acceleration(self, index: int, speed: float) -> float:
         """Of the free wheels [m/s^2], NaN after a gap."""
@@ -126,38 +159,12 @@ class MotionTracker:
             return float("nan")
         return (speed - last[1]) / ((index - last[0]) * self._step)
 
-    def _traction(self, speed: float, acceleration: float, accel_x: float, torque: float) -> float:
-        """Normalised traction of the driven wheel less that of the free one [-]; NaN while braking or unknown."""
-        car, radius = self._car, self._car.rolling_radius
-        drag = 0.5 * AIR_DENSITY * car.drag_area * speed**2
-        felt = acceleration if np.isnan(accel_x) else accel_x
-        if self.torque_seen:
-            force = torque / radius
-            expected = (force - drag) / car.mass
-            if not felt > expected - BRAKING - 0.25 * abs(expected):
-                return float("nan")
-        else:
-            force = car.mass * accel_x + drag
-            if not accel_x > -BRAKING:
-                return float("nan")
-        if np.isnan(acceleration):
-            return float("nan")
-        front_load, rear_load = axle_loads(car, acceleration)
-        inertias = (car.front_wheel_inertia, car.rear_wheel_inertia)
-        loads = (0.5 * front_load, 0.5 * rear_load)
-        driven, free = (0, 1) if car.driven_axle == "front" else (1, 0)
-        mu = (0.5 * force - inertias[driven] * acceleration / radius**2) / loads[driven]
-        mu += inertias[free] * acceleration / radius**2 / loads[free]
-        return mu if abs(mu) < MAX_TRACTION else float("nan")
 
-
-def axle_loads(car: Car, acceleration: float) -> tuple[float, float]:
-    """Front and rear axle load [N] at a longitudinal acceleration [m/s^2]."""
-    front_sprung = car.chassis_mass * car.cg_to_rear_axle / car.wheelbase
-    front = (front_sprung + 2.0 * car.front_wheel_mass) * GRAVITY
-    rear = (car.chassis_mass - front_sprung + 2.0 * car.rear_wheel_mass) * GRAVITY
-    shift = car.mass * acceleration * car.cg_height / car.wheelbase
-    return front - shift, rear + shift
+def _ratio(omega: NDArray[np.float64]) -> float:
+    """Front over rear wheels [-], of the sides that are known; NaN if none is."""
+    sides = omega[:2] / omega[2:]
+    known = sides[np.isfinite(sides)]
+    return float(known.mean()) if len(known) else float("nan")
 
 
 def rolling_ratios(car: Car, curvature: float, steer: float) -> NDArray[np.float64]:

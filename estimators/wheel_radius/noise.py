@@ -32,6 +32,11 @@ class NoiseLevel:
         correlation = min(max(correlation, 0.0), 0.9)
         return self._variance * (1.0 + correlation) / (1.0 - correlation)
 
+    @property
+    def scatter(self) -> float:
+        """Std of one sample, whatever its memory, in the residual's unit."""
+        return self._variance**0.5
+
     def add(self, innovation: float, explained: float) -> None:
         """One more innovation, in time order; explained: its variance from the state's own uncertainty."""
         bound = CLIP * (self._variance + explained) ** 0.5

@@ -2,7 +2,12 @@
 
 Published form, and the form used here, which divides each axle's ratio by what the curve alone would give. To first
 order in relative radius changes e_i both are r = e_2 - e_1 - e_4 + e_3 = delta34 - delta12: zero when both wheels of an
-axle, or of a side, or all four lose alike. Averages of half a second feed a scalar random walk.
+axle, or of a side, or all four lose alike. Averages of half a second feed a random walk.
+
+A tyre that has lost pressure also slips less (its patch is longer), and the slip of the two wheels of an axle differs
+by pull times the difference of their 1/k (left less right). State x = (r, difference in front, at the rear):
+    w1/w2 - w3/w4 = r + pull_front x_2 - pull_rear x_3
+the pull entering the information through an anchor, so that without changes of the pull std says that it is unknown.
 
 Error propagation: var r = (w1/w2)^2 (s^2/w1^2 + s^2/w2^2) + (w3/w4)^2 (s^2/w3^2 + s^2/w4^2) for a wheel-speed error s;
 it starts the noise level, which is then measured (road, sensors, their memory).
@@ -13,7 +18,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from estimators.wheel_radius.bounded_filter import BoundedFilter
+from estimators.wheel_radius.bounded_filter import Anchor, BoundedFilter
 from estimators.wheel_radius.motion import Motion
 from estimators.wheel_radius.noise import NoiseLevel
 
@@ -22,6 +27,9 @@ BLOCK = 5  # cells
 MIN_IN_BLOCK = 3
 PRIOR_STD = 6e-3  # equal tyres differ by 0.3-0.6 % in radius; two such differences
 DRIFT = 1.4e-4  # [1/sqrt(s)], as two radius ratios of 1e-4 each
+UNLIKE_STD = 2.5e-3  # of the 1/k of an axle's wheels against each other: a low tyre's is a tenth smaller
+UNLIKE_DRIFT = 2e-4  # [1/sqrt(s)]: as that comes within minutes
+PULL_EXCITATION = 0.02  # [-] by which the pull must move to tell slip from radius
 SPEED_ERROR = 0.1  # [rad/s] of a cell's wheel speed before it is measured
 
 
@@ -47,9 +55,11 @@ class StaticResidual:
 
     def __init__(self, curve_corrected: bool = True, drift: float = DRIFT) -> None:
         self._corrected, self._drift = curve_corrected, drift
-        self._filter = BoundedFilter([0.0], [PRIOR_STD], [drift])
+        unlike = 0.0 if drift == 0.0 else UNLIKE_DRIFT
+        self._filter = BoundedFilter([0.0] * 3, [PRIOR_STD, UNLIKE_STD, UNLIKE_STD], [drift, unlike, unlike])
+        self._anchors = Anchor(), Anchor()
         self._noise: NoiseLevel | None = None
-        self._block: list[float] = []
+        self._block: list[tuple[float, float, float]] = []
         self._block_number: int | None = None
         self._finished: int | None = None
         self.seconds = 0.0
@@ -60,13 +70,13 @@ class StaticResidual:
         if number != self._block_number:
             self._finish()
             self._block_number = number
-        if motion.readable:
+        if motion.readable and np.isfinite(motion.omega).all():
             if self._noise is None:
                 self._noise = NoiseLevel(propagated_variance(motion.omega, SPEED_ERROR) / BLOCK)
             form = (
                 corrected_residual(motion.omega, motion.roll) if self._corrected else published_residual(motion.omega)
             )
-            self._block.append(form)
+            self._block.append((form, float(motion.pull[0]), float(motion.pull[1])))
         if place == BLOCK - 1:
             self._finish()
 
@@ -82,10 +92,15 @@ class StaticResidual:
         if elapsed > 1 or not enough:
             self._noise.interrupt()
         if enough:
-            mean = sum(values) / len(values)
-            explained = self._filter.spread(np.ones(1))
+            mean, front, rear = np.mean(values, axis=0).tolist()
+            anchored = [
+                anchor.follow(pull, PULL_EXCITATION) for anchor, pull in zip(self._anchors, (front, rear), strict=True)
+            ]
+            excited = np.array([1.0, anchored[0], -anchored[1]])
+            explained = self._filter.spread(excited)
             variance = self._noise.variance * BLOCK / len(values)
-            self._noise.add(self._filter.update(mean, np.ones(1), variance), explained)
+            innovation = self._filter.update(mean, np.array([1.0, front, -rear]), variance, excited)
+            self._noise.add(innovation, explained)
             self.seconds += len(values) * CELL
 
     def value(self) -> float:

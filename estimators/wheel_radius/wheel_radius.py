@@ -37,7 +37,7 @@ from estimators.wheel_radius.wheel_change import per_wheel, pressure_change, whe
 
 STEP = 0.1  # [s] of a cell
 CELLS_PER_SECOND = 10
-SETTLING_TIME = 30.0  # [s] of readable driving before an alarm: the noise levels are measured by then
+SETTLING_TIME = 10.0  # [s] of readable driving before an alarm: the noise levels are measured by then
 Row = tuple[float, dict[str, tuple[float, float, str]]]
 
 
@@ -58,6 +58,8 @@ class WheelRadius(Estimator):
         self._calibration = Calibration()
         self._alarm = LowPressureAlarm(car)
         self._due: int | None = None
+        self._warned: set[str] = set()
+        self._unheard = set(self.requires)
 
     def use_calibration(self, document: Mapping[str, Any]) -> None:
         """Start calibrated; a residual that the document lacks is still learnt."""
@@ -77,6 +79,7 @@ class WheelRadius(Estimator):
     def update(self, samples: Mapping[str, Signal], until: float) -> Outputs:
         """See `Estimator.update`."""
         flags = self._grid.add(samples)
+        self._unheard -= {name for name in self.requires if name in samples and len(samples[name])}
         cells, more = self._grid.close(until)
         flags += more
         rows: list[Row] = []
@@ -103,12 +106,24 @@ class WheelRadius(Estimator):
             flags += [Flag(time, text) for text in self._calibration.learn(self._learning.residuals())]
             if self._calibration.done.all():
                 self._learning = None
-        rows.append((time, self._estimates(time, alarms)))
+        flags += [Flag(time, text) for text in self._doubts()]
+        if not self._unheard:
+            rows.append((time, self._estimates(time, alarms)))
+
+    def _doubts(self) -> list[str]:
+        """What makes the estimates less sure from now on, each told once."""
+        doubts = [f"wheel/{w}/speed: the wheel stands while others roll, taken for dead" for w, dead in
+                  zip(WHEELS, self._tracker.dead, strict=True) if dead]  # fmt: skip
+        if self.car.driven_axle == "all":
+            doubts.append("all wheels driven: no wheel rolls freely, delta13 and delta24 are less sure")
+        new = [text for text in doubts if text not in self._warned]
+        self._warned |= set(new)
+        return new
 
     def _estimates(self, time: float, alarms: list[Alarm]) -> dict[str, tuple[float, float, str]]:
         """Name -> (value, std, unit) at `time` [s]; appends a due alarm."""
         now, reference = self._methods.residuals(), self._calibration
-        change, covariance = now.value - reference.level, now.covariance + reference.covariance()
+        change, covariance = reference.change(now)
         said: dict[str, tuple[float, float, str]] = {}
         for i, name in enumerate(NAMES):
             if now.seconds[i] > 0.0:
@@ -136,7 +151,7 @@ class WheelRadius(Estimator):
         if seconds[0] > 0.0:
             said["static_residual_published"] = (self._published.value(), self._published.std(), "")
         for side, method in zip(("left", "right"), self._methods.longitudinal, strict=True):
-            if method.seconds > 0.0:
+            if method.seconds > 0.0 and self.car.driven_axle != "all":
                 said[f"inverse_stiffness_{side}"] = (*method.compliance(), "")
         if seconds[1] > 0.0:
             name, unit = ("gyro_offset", "rad/s") if self._tracker.gyro_seen else ("accel_offset", "m/s^2")

@@ -50,6 +50,7 @@ BARS: dict[str, tuple[str, float, str]] = {
     "drive_60s_s": ("<=", 15.0, "whole process"),
     "campaign_overhead": ("<=", 0.10, "over bare drives"),
     "two_process_speedup": (">=", 1.8, "processes warm"),
+    "itpms_cpu_share": ("<=", 0.02, "of one core, real time"),
     "imm_over_filterpy_speedup": (">=", 50.0, "aim 100"),
     "imm_four_wheels_cpu_share": ("<=", 0.10, "1 kHz, aim 0.05"),
 }
@@ -63,6 +64,7 @@ def measure(effort: Effort) -> dict[str, float]:
     from testbed.bench.campaigns import campaign_cost
     from testbed.bench.drives import drive_speed, two_thread_speedups
     from testbed.bench.filter_bank import filter_bank_cost
+    from testbed.bench.itpms_cost import itpms_cpu_share
     from testbed.bench.loop_cost import loop_cost
 
     loop = loop_cost(effort.loop_seconds)
@@ -80,6 +82,7 @@ def measure(effort: Effort) -> dict[str, float]:
         "drive_60s_s": process.whole,
         "campaign_overhead": campaigns.overhead,
         "two_process_speedup": campaigns.speed_up,
+        "itpms_cpu_share": itpms_cpu_share(effort.drive, effort.repetitions),
         "imm_over_filterpy_speedup": filters.speedup,
         "imm_four_wheels_cpu_share": filters.share,
         "loop_step_us": 1e6 * loop.loop_step,

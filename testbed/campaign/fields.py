@@ -6,10 +6,12 @@ drawn from a distribution.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from typing import Any
 
 from estimators.drive_log import WHEELS
+from testbed.brake_pull import FOREVER, BrakePull
 from testbed.campaign.distributions import KINDS
 from testbed.scenario import Scenario
 from testbed.tyre.inflation import Leak, PressureSet
@@ -77,6 +79,14 @@ def _sets(name: str, value: Any) -> dict[str, PressureSet]:
     return found
 
 
+def _pulls(name: str, value: Any) -> dict[str, BrakePull]:
+    found = {}
+    for wheel, entry in _mapping(name, value).items():
+        parts = _parts(f"{name}.{wheel}", entry, ("torque", "start_s"), ("end_s",))
+        found[wheel] = BrakePull(parts["torque"], parts["start_s"], parts.get("end_s", FOREVER))
+    return found
+
+
 # field of the file -> field of the scenario, conversion
 FIELDS: dict[str, tuple[str, Convert]] = {
     "road": ("road", _as_is),
@@ -90,13 +100,18 @@ FIELDS: dict[str, tuple[str, Convert]] = {
     "pressure_kpa": ("pressures", _per_wheel(1e3)),
     "leak_kpa_s": ("leaks", _leaks),
     "set_kpa": ("pressure_sets", _sets),
+    "brake_nm": ("brake_pulls", _pulls),
     "radius_percent": ("radius_factor", _per_wheel(0.01, 1.0)),
     "payload_kg": ("payload", _scaled(1.0)),
     "payload_position_m": ("payload_position", _tuple),
     "friction": ("friction", _as_is),
     "grade_percent": ("grade", _scaled(0.01)),
     "bank_percent": ("bank", _scaled(0.01)),
+    "wind_kmh": ("wind", _scaled(1.0 / 3.6)),
+    "wind_from_deg": ("wind_from", _scaled(math.pi / 180.0)),
+    "gust_percent": ("gusts", _scaled(0.01)),
     "obstacles": ("obstacles", _tuple),
+    "faults": ("faults", _tuple),
     "driven": ("driven", _as_is),
     "ambient_c": ("ambient", _scaled(1.0, KELVIN)),
     "sensors": ("sensors", _mapping),

@@ -190,7 +190,16 @@ def calibration_drive(scenario: Scenario, table: Mapping[str, Any], seed: int) -
     if not table:
         return None
     parts = scenario.seed if scenario.car_seed is None else scenario.car_seed
-    same = {"pressures": {}, "leaks": {}, "pressure_sets": {}, "obstacles": (), "seed": seed, "car_seed": parts}
+    same = {
+        "pressures": {},
+        "leaks": {},
+        "pressure_sets": {},
+        "obstacles": (),
+        "brake_pulls": {},
+        "faults": (),
+        "seed": seed,
+        "car_seed": parts,
+    }
     return scenario_from(table, **(dataclasses.asdict(scenario) | same))
 
 

@@ -79,4 +79,4 @@ def believed_car(scenario: Scenario, believed: Mapping[str, Any]) -> Car:
     tyre = factors.pop(BELIEVED_TYRE, scenario.tyre)
     if not isinstance(tyre, str):
         raise ValueError(f"[believed] tyre is {tyre!r}, want the name of a tyre")
-    return scaled(known_car(vehicle, _tyre(tyre), scenario.driven), factors, "believed")
+    return scaled(known_car(vehicle, _tyre(tyre), scenario), factors, "believed")

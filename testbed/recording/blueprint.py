@@ -46,6 +46,7 @@ PLOTS = (
     Plot("Wheel speed", "rad/s", rf"wheel/{_WHEEL}/speed"),
 )
 _MEASURED = {"Tyre pressure": rf"tyre/{_WHEEL}/pressure"}  # where there is no truth: a real car's log
+SOUND = "truth/sound/"  # a sensor before its fault
 _AT_A_GLANCE = 8  # plots
 _LEGEND_LINES = 4  # a longer legend would hide the plot; every line still has its name under the mouse
 
@@ -93,7 +94,11 @@ def _plots(kinds: Mapping[str, tuple[str, str]], bands: Ranges, reach: Ranges) -
     numbers = {name: unit for name, (unit, kind) in kinds.items() if kind != "text"}
     estimated = [name for name in numbers if name.startswith("est/") and not name.endswith("/std")]
     first, taken = _of_wheels(numbers, estimated, bands, reach)
-    plots = []
+    plots = [
+        _plot(f"{name.removeprefix(SOUND)}, sound and as it said [{unit or '-'}]", [name, sensor], bands, reach)
+        for name, unit in numbers.items()
+        if name.startswith(SOUND) and (sensor := name.removeprefix(SOUND)) in numbers
+    ]
     for plot in PLOTS:
         names = [n for n in numbers if re.fullmatch(plot.names, n)]
         if not names and plot.title in _MEASURED:

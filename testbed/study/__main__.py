@@ -7,6 +7,7 @@ cannot be written (one line on stderr).
 from __future__ import annotations
 
 import argparse
+import copy
 import logging
 import os
 import sys
@@ -55,6 +56,7 @@ def study_parser() -> Parser:
     add("--seed", type=_whole(0), default=0, help="of all repetitions (default %(default)s)")
     add("--small", action="store_true", help="a form of seconds, for a first look; its figures are not the study's")
     add("--jobs", type=_whole(1, 1024), default=os.cpu_count() or 1, help="processes (default %(default)s)")
+    add("--data", metavar="FILE", help="measured data in place of the study's own (studies that read a file)")
     add("--json", metavar="FILE", help="write every figure of the table as JSON")
     add("--out", metavar="DIR", help="finished runs and figures (default recordings/study-NAME)")
     return p
@@ -77,6 +79,18 @@ def _print_outcome(console: Console, study: Study, outcome: Outcome) -> None:
         console.print(f"[red]failed[/] {error}", highlight=False)
 
 
+def _with_data(study: Study, file: str | None) -> Study:
+    """The study, reading another file. ValueError if it reads none."""
+    if file is None:
+        return study
+    if study.data is None:
+        valid = ", ".join(name for name, other in studies().items() if other.data is not None)
+        raise ValueError(f"--data is {file!r}, but {study.name} reads no measured data; those that do: {valid}")
+    changed = copy.copy(study)
+    changed.data = Path(file)
+    return changed
+
+
 def _complain(message: str) -> None:
     print(f"testbed.study: {' '.join(message.split())}", file=sys.stderr)
 
@@ -93,7 +107,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         if options.name is None:
             raise ValueError(f"want the name of a study; valid: {', '.join(studies())}")
-        study = find_study(options.name)
+        study = _with_data(find_study(options.name), options.data)
         folder = Path(options.out) if options.out else RECORDINGS / f"study-{study.name}"
         if options.json:
             check_writable(Path(options.json))

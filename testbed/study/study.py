@@ -11,6 +11,7 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -65,12 +66,14 @@ def _finite(value: float | None) -> float | None:
 
 class Study(ABC):
     """name: as typed; about: its question in one line; paper: what it reproduces or rests on; runs: repetitions when
-    none are asked for, which two cores finish within 30 minutes."""
+    none are asked for, which two cores finish within 30 minutes; data: the measured data that it reads, if any, which
+    need not be there (its tasks then raise ValueError)."""
 
     name: str
     about: str
     paper: str
     runs: int
+    data: Path | None = None
 
     @property
     @abstractmethod

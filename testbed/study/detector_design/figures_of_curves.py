@@ -67,7 +67,7 @@ def _mean_thresholds() -> Figure:
         sixth, np.linspace(1.0, 10.0, 28), lambda nu: siegmund_threshold(nu, 200.0, 5.0),
         lambda nu: exact_threshold(nu, 200.0, 5.0), "nu",
     )  # fmt: skip
-    sixth.set_title("4.6: here sigma 5, 1/FAR 200")
+    sixth.set_title("4.6: 1/FAR 200 (sigma taken as 5)")
     for axes, std in zip(fifth, (5.0, 3.0, 1.0), strict=True):
         _both(
             axes, np.geomspace(3.0, 1e7, 30), lambda asked: siegmund_threshold(FIGURE_DRIFT, asked, std),  # noqa: B023
@@ -101,7 +101,7 @@ def _variance() -> Figure:
     every.set_xticks(place, [f"{c.before:g} to {c.after:g}" for c in VARIANCE_CHANGES], fontsize=7.0)
     every.set(title="theta of 4.27 to 4.32", yscale="log")
     every.legend(fontsize="small")
-    thetas = np.linspace(1.2, 16.0, 20)
+    thetas = np.geomspace(1.2, 16.0, 24)  # the curves bend at the small ones
     lengths = [variance_run_length(VARIANCE_THRESHOLD, float(t), "increase", agree=ROUGH) for t in thetas]
     needed.plot(lengths, thetas, **EXACT)
     needed.set(title=f"4.24: h {VARIANCE_THRESHOLD:g}", xscale="log", xlabel="ARL0 [samples]", ylabel="theta")
@@ -112,7 +112,8 @@ def _variance() -> Figure:
     arl.set(title="4.25: 1 to 3, theta as each has it", xscale="log", xlabel="ARL0 [samples]", ylabel="threshold h")
     drift.plot(thetas, [_threshold(float(t), VARIANCE_ARL) for t in thetas], **EXACT)
     drift.set(title=f"4.26: ARL0 {VARIANCE_ARL:g}", xlabel="theta", ylabel="threshold h")
-    drift.axvline(variance_drift(1.0, 3.0), color="0.5", lw=0.8)
+    drift.axvline(variance_drift(1.0, 3.0), color="0.5", lw=0.8, label="right theta, 1 to 3")
+    drift.legend(fontsize="small")
     near = np.linspace(1.25, 2.75, 11)
     delay.plot(near, [_delay(float(t)) for t in near], **EXACT)
     for theta, colour in ((variance_drift(1.0, 3.0), "C0"), (thesis_theta(1.0, 3.0), "C3")):

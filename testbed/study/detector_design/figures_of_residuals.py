@@ -24,7 +24,7 @@ def conformed() -> dict[str, Figure]:
     (whole, *first), rest = figure.subplots(2, 3)
     r = residuals(HOLD)(np.random.default_rng(0), SHOWN)
     whole.hist(r, np.linspace(*RANGE, 120), density=True, color="0.6")
-    whole.set(title="4.13: all (simulated)", yscale="log", xlabel="residual")
+    whole.set(title="4.13: all (simulated)", yscale="log", xlabel="residual", ylabel="density")
     for axes, case in zip((*first, *rest[:2]), CONFORMED, strict=True):
         kept = conform(r, case.cut, case.zeros)
         edges = np.linspace(-case.cut, case.cut, 81)
@@ -34,6 +34,7 @@ def conformed() -> dict[str, Figure]:
         without = "" if case.zeros else ", no zeros"
         axes.set(title=f"{case.figure}: |r| <= {case.cut:g}{without}", xlabel="residual", ylim=(0.0, 0.04))
         axes.legend(fontsize="small")
+    rest[0].set_ylabel("density")
     rest[2].plot(np.arange(STRETCH) / RATE, r[:STRETCH], lw=0.5)
     rest[2].set(title="in bursts", xlabel="time [s]", ylabel="residual")
     return {"figures-4.13-4.17-residuals": figure}
@@ -49,9 +50,10 @@ def local(rows: Sequence[Row]) -> dict[str, Figure]:
     for name in GAUSSIAN:
         found = [delay(own, name, place).value for place in range(len(SHIFTS))]
         left.plot(SHIFTS, found, "o-", ms=3.0, color=COLOURS[name])
-    for name in BURSTS:
-        found = [median_delay(own, name, place).value for place in range(len(ERRORS))]
-        right.plot(ERRORS, np.minimum(found, TRIAL), "o-", ms=3.0, color=COLOURS[name], label=name)
+    for place, name in enumerate(BURSTS):
+        found = [median_delay(own, name, error).value for error in range(len(ERRORS))]
+        aside = 1.0 + 0.01 * (place - len(BURSTS) // 2)  # of lines that would hide each other
+        right.plot(ERRORS, aside * np.minimum(found, TRIAL), "o-", ms=3.0, color=COLOURS[name], label=name)
     right.axhline(TRIAL, color="0.5", lw=0.8)
     left.set(title=f"Gaussian, ARL0 {own[0]['arl0']:g}", xlabel="shift [std]", ylabel="mean delay [samples]")
     right.set(

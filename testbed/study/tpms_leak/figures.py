@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import NullFormatter
+from matplotlib.ticker import LogLocator, NullFormatter, ScalarFormatter
 
 from estimators.direct_pressure.published import PUBLISHED, stationary_std
 from testbed.study.study import Row
@@ -83,7 +83,7 @@ _PANELS = (_pressure, _std, _innovation, _cusum, _alarm, _slope)
 
 
 def _delays(rows: Sequence[Row]) -> Figure:
-    """Share of leaks found by each time, for every sensor, and for the CUSUM that knows the rate."""
+    """Share of leaks found by each time, for every sensor, and for the quickest detector that knows the rate."""
     figure = Figure(figsize=(9.0, 6.0), layout="constrained")
     for axes, name in zip(figure.subplots(2, 2).flat, LEAKS, strict=True):
         for colour, ending in enumerate(SENSORS):
@@ -100,10 +100,13 @@ def _delays(rows: Sequence[Row]) -> Figure:
                     label="20 Hz, rate known",
                 )  # fmt: skip
         axes.set(xscale="log", xlabel="time since the leak began [s]", ylim=(0.0, 1.02))
+        axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+        axes.xaxis.set_major_formatter(ScalarFormatter())
         axes.xaxis.set_minor_formatter(NullFormatter())
         axes.set_title(f"Leak of {LEAK_NAMES[name]}")
     figure.axes[0].set_ylabel("share found [-]")
-    figure.axes[0].legend(fontsize="small")
+    figure.axes[2].set_ylabel("share found [-]")
+    figure.legend(*figure.axes[0].get_legend_handles_labels(), fontsize="small", loc="outside lower center", ncols=5)
     return figure
 
 

@@ -23,6 +23,7 @@ from testbed.course import PAIRS, CourseTaker, truth_of
 from testbed.scenario import Scenario
 from testbed.session import Session
 from testbed.study.study import run_seed
+from testbed.study.wheel_radius.slopes import drive_slopes, slope_drives
 from testbed.tyre.inflation import PressureSet
 
 METHOD = "wheel_radius"
@@ -57,6 +58,7 @@ def task(seed: int, number: int, share: float = 1.0) -> dict[str, Any]:
         "drives": {
             name: _with_loss(nominal, *how, share * ONSET).as_notes() for name, how in TEST_RUNS.items()
         },
+        "slopes": slope_drives(nominal, share),
     }  # fmt: skip
 
 
@@ -73,6 +75,8 @@ def drive_test_runs(task: dict[str, Any]) -> dict[str, Any]:
 
     TEST_RUN/NAME/{value,std,truth}    [-], (n,)
     TEST_RUN/alarms, TEST_RUN/wheels   times [s] of alarms, and the wheels that each names, joined by commas
+
+    and what `drive_slopes` gives.
     """
     before = Scenario.from_notes(task["calibration"])
     with Session(before, None, [METHOD], variant_of(before, {}, {}, {})) as session:
@@ -84,7 +88,7 @@ def drive_test_runs(task: dict[str, Any]) -> dict[str, Any]:
         scenario = Scenario.from_notes(notes)
         row |= {f"{name}/{key}": value for key, value in _drive(scenario, learnt).items()}
         row |= {"duration_s": scenario.duration, "onset_s": scenario.duration * ONSET / DURATION}
-    return row
+    return row | drive_slopes(task["slopes"])
 
 
 def _drive(scenario: Scenario, learnt: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:

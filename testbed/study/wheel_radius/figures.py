@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 
 from testbed.study.study import Row
 from testbed.study.wheel_radius.drives import TEST_RUNS
+from testbed.study.wheel_radius.slopes import slope_figure
 from testbed.study.wheel_radius.wheel_radius import levels
 
 Rows = Sequence[Row]
@@ -27,7 +28,10 @@ STYLES = {  # as in the paper: solid nominal, dash-dotted front left, dotted rea
 
 def figures(rows: Rows) -> dict[str, Figure]:
     """By file name."""
-    return {name: _deltas(rows, panels) for name, panels in FIGURES.items()} | {"alarms": _alarms(rows)}
+    return {name: _deltas(rows, panels) for name, panels in FIGURES.items()} | {
+        "alarms": _alarms(rows),
+        "figure-5-slip-slopes": slope_figure(rows),
+    }
 
 
 def _deltas(rows: Rows, panels: Sequence[tuple[str, str]]) -> Figure:

@@ -29,6 +29,7 @@ from estimators.scores.survival import EventTimes, event_curve, share_by
 from testbed.course import PAIRS
 from testbed.study.study import Row, Study, StudyRow, Task
 from testbed.study.wheel_radius.drives import SMALL, TEST_RUNS, drive_test_runs, task
+from testbed.study.wheel_radius.slopes import slope_rows
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -82,7 +83,7 @@ class WheelRadiusStudy(Study):
 
     def table(self, rows: Sequence[Row]) -> list[StudyRow]:
         return [
-            *_levels(rows), *_errors(rows), *_settling(rows), *_detection(rows), _false_alarms(rows),
+            *_levels(rows), *_errors(rows), *_settling(rows), *_detection(rows), _false_alarms(rows), *slope_rows(rows),
         ]  # fmt: skip
 
     def figures(self, rows: Sequence[Row]) -> Mapping[str, Figure]:

@@ -1,0 +1,1 @@
+"""Study `fleet-leaks`: slow leaks of real trailers' tyres, each judged true or false."""

@@ -1,0 +1,1 @@
+"""Seed 003: faults of sensors found by analytical redundancy."""
