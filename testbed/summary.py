@@ -24,7 +24,7 @@ MEANS = (
 )
 KELVIN = 273.15
 # SI unit -> unit of the table, factor
-TABLE_UNITS = {"Pa": ("kPa", 1e-3), "m": ("mm", 1e3), "": ("1e-3", 1e3)}
+TABLE_UNITS = {"Pa": ("kPa", 1e-3), "N/m": ("kN/m", 1e-3), "m": ("mm", 1e3), "": ("1e-3", 1e3)}
 
 
 class Summary:
@@ -143,7 +143,7 @@ def _shown(entry: Mapping[str, Any]) -> str:
 def _wheel_table(title: str) -> Table:
     """A column a wheel."""
     table = Table(title=title, box=box.SIMPLE_HEAD)
-    table.add_column("")
+    table.add_column("", overflow="fold")
     for wheel in WHEELS:
         table.add_column(wheel, justify="right")
     return table
