@@ -9,8 +9,8 @@ import pytest
 
 from models.tyre_properties import load_tyre
 from testbed.driver import COAST, PLAN_STEP, SPEED, STOP
-from testbed.manoeuvres.manoeuvre import PATH_STEP, find_manoeuvre, manoeuvres
-from testbed.manoeuvres.motorway import FASTEST, LEVELS
+from testbed.manoeuvres.manoeuvre import FASTEST, PATH_STEP, find_manoeuvre, manoeuvres
+from testbed.manoeuvres.motorway import LEVELS
 from testbed.manoeuvres.town import RADIUS, TURN_SPEED
 from tests.drives import Driven, drive, everywhere
 

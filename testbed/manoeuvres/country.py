@@ -11,10 +11,9 @@ from __future__ import annotations
 import numpy as np
 
 from testbed.driver import Plan
-from testbed.manoeuvres.manoeuvre import PATH_STEP, Manoeuvre, curvature_path, driven, pull_away, speed_plan
+from testbed.manoeuvres.manoeuvre import PATH_STEP, Manoeuvre, curvature_path, driven, wandering_speed
 
 LEVELS = (1.0, 0.85, 0.95, 0.7, 0.9, 1.05, 0.8)  # shares of the speed
-FASTEST = 200.0 / 3.6  # m/s
 HOLD, CHANGE = 9.0, 7.0  # s, a change takes longer where the engine's reserve is small
 LATERAL = (0.8, 1.6, 0.5, 1.2)  # m/s^2
 TURN, CLOTHOID, STRAIGHT = 6.0, 2.5, 7.0  # s at the given speed
@@ -27,13 +26,6 @@ class Country(Manoeuvre):
     about = "70 to 105 % of the speed, curves left and right"
 
     def plan(self, speed: float, duration: float) -> Plan:
-        time, level, now, i = [0.0], [speed], 0.0, 0
-        while now < duration:
-            coming = min(speed * LEVELS[(i + 1) % len(LEVELS)], FASTEST)
-            change = CHANGE if coming <= level[-1] else max(CHANGE, pull_away(level[-1], coming)[0][-1])
-            time += [now + HOLD, now + HOLD + change]
-            level += [level[-1], coming]
-            now, i = now + HOLD + change, i + 1
         along = np.arange(0.0, 1.1 * speed * (duration + 5.0) + 100.0, PATH_STEP)
         clothoid = max(CLOTHOID * speed, SHORTEST)
         straight, turn = max(STRAIGHT * speed, 30.0), max(TURN * speed, SHORTEST)
@@ -43,4 +35,4 @@ class Country(Manoeuvre):
         radius = np.array([max(speed**2 / a, SMALLEST_RADIUS) for a in LATERAL])
         side = np.where(number % 2 == 0, 1.0, -1.0)
         curvature = side * inside / radius[number.astype(int) // 2 % len(LATERAL)]
-        return driven(*speed_plan(time, level, duration), curvature_path(curvature))
+        return driven(*wandering_speed(speed, duration, LEVELS, HOLD, CHANGE), curvature_path(curvature))

@@ -10,6 +10,7 @@ from __future__ import annotations
 import importlib
 import pkgutil
 from abc import ABC, abstractmethod
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -23,6 +24,7 @@ PULL, PULL_END = (
     57.0,
 )  # m/s^2, m/s: acceleration falls from PULL to nothing at PULL_END, as the reserve
 LATERAL_COMFORT = 3.0  # m/s^2
+FASTEST = 200.0 / 3.6  # m/s, of a car that wanders about the given speed
 
 
 class Manoeuvre(ABC):
@@ -53,6 +55,21 @@ def pull_away(first: float, last: float) -> tuple[NDArray[np.float64], NDArray[n
     level = np.linspace(first, last, 41)
     pull = np.minimum(COMFORT, PULL * (1.0 - level / PULL_END))
     return np.concatenate([[0.0], np.cumsum(np.diff(level) * 0.5 * (1.0 / pull[1:] + 1.0 / pull[:-1]))]), level
+
+
+def wandering_speed(
+    speed: float, duration: float, shares: Sequence[float], hold: float, change: float
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """As `speed_plan`: one share after the other of a speed [m/s], FASTEST at the most, each held for `hold` [s]; a
+    change takes `change` [s], or longer where the engine's reserve is small."""
+    time, level, now, i = [0.0], [speed], 0.0, 0
+    while now < duration:
+        coming = min(speed * shares[(i + 1) % len(shares)], FASTEST)
+        lasts = change if coming <= level[-1] else max(change, pull_away(level[-1], coming)[0][-1])
+        time += [now + hold, now + hold + lasts]
+        level += [level[-1], coming]
+        now, i = now + hold + lasts, i + 1
+    return speed_plan(time, level, duration)
 
 
 def curvature_path(curvature: ArrayLike) -> NDArray[np.float64]:
