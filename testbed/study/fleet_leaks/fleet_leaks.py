@@ -176,7 +176,7 @@ def _false(repeated: Sequence[Row]) -> Iterator[StudyRow]:
     mean = float(np.mean(rates))
     designed = YEAR / BETWEEN_FALSE_ALARMS
     yield StudyRow(
-        "designed_false_alarms_per_tyre_year", "1/year", None, mean, (min(float(low), mean), max(float(high), mean)),
+        "reordered_false_alarms_per_tyre_year", "1/year", None, mean, (min(float(low), mean), max(float(high), mean)),
         designed,
     )  # fmt: skip
     yield StudyRow(
