@@ -46,7 +46,7 @@ def test_wheels_stand_side_by_side_and_the_car_below_within_80_columns() -> None
     text = out.getvalue()
     assert max(len(line.rstrip()) for line in text.splitlines()) <= 80
     (row,) = [line for line in text.splitlines() if line.strip().startswith("relative pressure")]
-    assert row.split() == ["relative", "pressure", "-5±59", "-5±59", "-", "-5±59"]
+    assert row.split() == ["relative", "pressure", "change", "-5±59", "-5±59", "-", "-5±59"]
     assert "delta12 (%)" in text
     assert "0.010±0.040" in text
     assert "vibration" not in text
