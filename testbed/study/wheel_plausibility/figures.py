@@ -20,7 +20,9 @@ from testbed.study.wheel_plausibility.wheel_plausibility import CIRCLE, NAMES, d
 def figures(rows: Sequence[Mapping[str, Any]]) -> dict[str, Figure]:
     """By file name."""
     cases = [case for row in rows for case in row["cases"] if not case["ended"]]
-    found = {"delay-by-size": _delays(cases), "residuals-in-the-circle": _residuals(cases)}
+    found = {"delay-by-size": _delays(cases)}
+    if circles := [case for case in cases if case["name"] == CIRCLE]:
+        found["residuals-in-the-circle"] = _residuals(circles)
     examples = next((row["example"] for row in rows if row["example"]), None)
     return found | ({"figures-6-3-and-6-4": _examples(examples)} if examples else {})
 
@@ -45,13 +47,12 @@ def _delays(cases: Sequence[Mapping[str, Any]]) -> Figure:
     return figure
 
 
-def _residuals(cases: Sequence[Mapping[str, Any]]) -> Figure:
+def _residuals(circles: Sequence[Mapping[str, Any]]) -> Figure:
     figure = Figure(figsize=(9, 4), layout="constrained")
     axes = figure.subplots()
-    kept = [case for case in cases if case["name"] == CIRCLE]
     place = np.arange(len(NAMES))
-    for k, geometry in enumerate(GEOMETRIES if kept else ()):
-        means = np.mean([case["residuals"][geometry] for case in kept], axis=0)
+    for k, geometry in enumerate(GEOMETRIES):
+        means = np.mean([case["residuals"][geometry] for case in circles], axis=0)
         (bars,) = axes.plot(place + 0.2 * (k - 1), means, "o", label=geometry)
         axes.plot(place + 0.2 * (k - 1), RESIDUALS[f"circle.{geometry}"], "x", color=bars.get_color())
     axes.set_xticks(place, NAMES, rotation=45, ha="right", fontsize="small")
