@@ -3,13 +3,13 @@
 Axes as ISO 8855, R nominal radius, t track, d road-wheel angle, r yaw rate, v speed at the rear axle, a_y = v r.
 
     yaw rate      gyro       r_z                                    nuisance: offset
-                  front      (v_fr^2 - v_fl^2) / (2 v_f t_f)        e v + l v a_y: radii differ, load changes them; driven:
-                                                                slip of the lighter inner wheel, with pull and a_y
+                  front      (v_fr^2 - v_fl^2) / (2 v_f t_f)        e v + l v a_y: radii differ, load changes them;
+                                                                  driven: slip of the lighter inner wheel
                   rear       (v_rr - v_rl) / t_r                    the same
                   steering   v tan d / (L + K v^2), lagged by LAG v  zero of the sensor, K
     specific      imu        f_x + r v_y                            -  (its offset is the grade's)
     force         torque     (T/R - rho c A v^2 / 2) / m            offset, mass, drag; silent where brakes may act
-                  front      dv_f/dt + I                            grade, offset of the pitch rate; driven: slip with pull
+                  front      dv_f/dt + I                            grade, offset of the pitch rate; driven: slip
                   rear       dv/dt + I                              the same
 
 v_f^2 = (v_fl^2 + v_fr^2) / 2 - r^2 (L^2 + t_f^2 / 4): each front wheel rolls square to the line to the turning centre,
