@@ -1,6 +1,6 @@
 """Closed-form drives for the estimator tests: a rigid car rolls along a path with chosen radii, slip and noise.
 
-Wheel i turns at w_i = v_i (1 + slip_i) / r_i, r_i smaller by LOAD_SHARE of what load a curve moves to it, with v_i the speed of its contact point along its own plane (Ackermann
+Wheel i turns at w_i = v_i (1 + slip_i) / r_i, with v_i the speed of its contact point along its own plane (Ackermann
 angles, no side slip at the rear), slip of the driven wheels mu / k. Tyres at nominal pressure. No dynamics: the path is
 given.
 """
@@ -20,7 +20,6 @@ from estimators.quarter_car.road_shape import class_spectrum, synthesised
 from estimators.wheel_radius.traction import axle_loads
 
 RATE = 100.0  # Hz
-LOAD_SHARE = 1.1e-6  # of a radius a N, as the tyres of the testbed have it
 
 
 @dataclass(frozen=True)
@@ -61,8 +60,6 @@ def drive(
     force = np.where(speed > 0.0, force, 0.0)
     slip = _slip(car, force, acceleration, compliance)
     radii = car.rolling_radius * (1.0 + np.broadcast_to(np.asarray(radius_change), (len(speed), 4)))
-    moved = car.mass * speed * yaw_rate * car.cg_height / (car.front_track + car.rear_track)  # to each outer wheel [N]
-    radii = radii * (1.0 + LOAD_SHARE * moved[:, None] * np.array([1.0, -1.0, 1.0, -1.0]))  # a left turn unloads the left
     omega = contact_speeds(car, speed, curvature) * (1.0 + slip) / radii
     moving = (speed > 0.0)[:, None]
     omega = omega + noise.omega * rng.standard_normal(omega.shape) * moving

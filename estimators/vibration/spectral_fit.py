@@ -5,7 +5,7 @@ One-sided power spectral density of the wheel speed at f, with x = f / f0 and u 
     S(f) = exp(c0 + c1 u + c2 u^2) / ((1 - x^2)^2 + (2 zeta x)^2) + exp(w) g(f) + exp(t) f^2
 
 f0: undamped natural frequency [Hz]; zeta: damping ratio. The polynomial is what the road puts in and the other modes
-pass, w a floor [(rad/s)^2/Hz] that is white in the samples, so what correcting their droop makes of it, g (1 if nothing was
+pass, w a floor [(rad/s)^2/Hz] that is white in the samples, g what correcting their droop makes of it (1 if nothing was
 corrected), t that of the edges' timer, white in time, so growing with f^2; both are also told
 by lines above every mode, in which S has no first term. Averaged periodograms P of weight n (in independent ones) have
 the ln likelihood -sum n (ln S + P / S) (Whittle 1953), so nothing needs to be smoothed, and the floor is in the model

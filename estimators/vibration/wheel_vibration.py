@@ -1,6 +1,6 @@
 """Vibration of one wheel, second by second: a fading memory of its spectrum, and blocks that share nothing.
 
-The memory of each mode keeps all that was heard until that is worth FULL segments, then fades with MEMORY seconds, as it
+The memory of each mode keeps all that was heard until it is worth FULL segments, then fades with MEMORY seconds, as it
 does in a second in which nothing is heard, and with changes of speed beyond the mode's span; what it says after a
 second is the running estimate, and as nothing is added while the wheel stands, or the road is too smooth for the
 timer, its std grows to the prior's. A block collects BLOCK_SEGMENTS segments, is closed early when the speed leaves

@@ -12,11 +12,7 @@ the yaw acceleration is driven.
 At constant speed one rank short: an offset looks like both deltas. They part when the speed changes or while the car
 stands (yaw = 0: the gyro reads its offset). So the speed enters the information through an anchor, the pull too, and
 the covariance stays within the prior (`bounded_filter`). Without a gyro, lateral acceleration over speed stands in; its
-offset [m/s^2] is the third state then.
-
-In a curve load moves to the outer wheels, whose radii fall by it, m a_y h / (t_f + t_r) on each (the axles taken alike):
-a left turn adds -2 `RADIUS_LOAD` m a_y h / (t_f + t_r), 8e-4 at 1 m/s^2, to both deltas, which is as much as 20 % of
-pressure and is taken off. Left out: bank, how anti-roll bars share the load between the axles.
+offset [m/s^2] is the third state then. Left out: load transfer (strong curves are not read), bank.
 """
 
 from __future__ import annotations
@@ -28,7 +24,6 @@ from estimators.car import Car
 from estimators.wheel_radius.bounded_filter import Anchor, BoundedFilter
 from estimators.wheel_radius.motion import Motion
 from estimators.wheel_radius.noise import NoiseLevel
-from estimators.wheel_radius.payload import RADIUS_LOAD
 
 DELTA_STD = 5e-3  # equal tyres differ by 0.3-0.6 %
 DRIFT = 1e-4  # [1/sqrt(s)] of a delta: a step of 0.25 % is followed within a minute
@@ -100,8 +95,6 @@ class Lateral:
     def _read_wheels(self, motion: Motion, gyro_row: NDArray[np.float64]) -> None:
         """Update with gyro, rear and front axle, each as noisy as it was measured to be."""
         anchored = self._anchor.follow(motion.speed, EXCITATION * motion.speed)
-        lateral = motion.speed * (motion.gyro - motion.gyro_gain * float(self._filter.state[2]))
-        turning = lateral * load_transfer(self._car)
         measured, rows, gains = [motion.gyro], [gyro_row], [gyro_row]
         for state in (REAR, FRONT):
             pull = float(motion.pull[0 if state == FRONT else 1])
@@ -109,7 +102,7 @@ class Lateral:
             gain = row.copy()
             gain[state] = anchored / axle_track(self._car, state, motion.cos_steer)
             gain[state + UNLIKE] = -gain[state] * self._pulls[state].follow(pull, PULL_EXCITATION)
-            measured.append(value - turning * row[state])
+            measured.append(value)
             rows.append(row)
             gains.append(gain)
         variances = self._noise.variances()
@@ -194,11 +187,6 @@ def wheel_line(
     row[state] = car.rolling_radius * float(omega[left]) / track
     row[state + UNLIKE] = -row[state] * pull
     return car.rolling_radius * float(omega[right] - omega[left]) / track, row
-
-
-def load_transfer(car: Car) -> float:
-    """What a lateral acceleration (left turn positive) adds to r_left / r_right - 1 of an axle [s^2/m]."""
-    return -2.0 * RADIUS_LOAD * car.mass * car.cg_height / (car.front_track + car.rear_track)
 
 
 def axle_track(car: Car, state: int, cos_steer: float) -> float:

@@ -43,7 +43,6 @@ MAX_YAW_DOUBT, MAX_SIDE = (
     0.05,
     0.01,
 )  # [rad/s], [-] of radius by which the rear wheels' yaw rate may differ from the gyro's
-SPINNING, ROLLING, RECOVERY = 0.3, 0.01, 10  # slip from which a wheel spins or locks, and cells below which it rolls again
 DEAD_SHARE = 0.3  # of the others' speed below which a wheel does not roll
 STANDSTILL_CELLS = 10  # with every wheel at rest before the car counts as standing
 STANDSTILL_OMEGA = 0.02  # [rad/s]
@@ -85,7 +84,6 @@ class MotionTracker:
         self._car, self._step = car, step
         self._last: tuple[int, float] | None = None
         self._standing_cells = 0
-        self._slides = 0  # cells of rolling that are still wanted after a spin
         self.dead = np.zeros(4, dtype=bool)
         self.torque_seen = False
         self.gyro_seen = False
@@ -110,10 +108,8 @@ class MotionTracker:
         if np.isnan(steer):
             steer = car.wheelbase * yaw_rate / speed if moving else 0.0
         doubt = MAX_YAW_DOUBT + MAX_SIDE * speed / car.rear_track
-        self._follow_slip(_most_slip(omega) if moving else 0.0)
         readable = bool(
             moving
-            and self._slides == 0
             and not abs(_ratio(omega) - 1.0) > MAX_SLIP
             and abs(speed * yaw_rate) < MAX_LATERAL
             and not abs(wheel_yaw - yaw_rate) > doubt
@@ -138,13 +134,6 @@ class MotionTracker:
             readable=readable,
             standing=self._standing_cells >= STANDSTILL_CELLS,
         )
-
-    def _follow_slip(self, slip: float) -> None:
-        """A wheel that spun creeps back through slips that look like radii; it is believed after a second of rolling."""
-        if slip > SPINNING or (self._slides and slip > ROLLING):
-            self._slides = RECOVERY
-        elif self._slides:
-            self._slides -= 1
 
     def _without_dead(self, omega: NDArray[np.float64]) -> None:
         """Wheels that stand while others roll become NaN, and are remembered in `dead`."""
@@ -176,13 +165,6 @@ def _ratio(omega: NDArray[np.float64]) -> float:
     sides = omega[:2] / omega[2:]
     known = sides[np.isfinite(sides)]
     return float(known.mean()) if len(known) else float("nan")
-
-
-def _most_slip(omega: NDArray[np.float64]) -> float:
-    """Largest of |front over rear wheel - 1| [-], of the sides that are known; 0 if none is."""
-    sides = omega[:2] / omega[2:]
-    known = sides[np.isfinite(sides)]
-    return float(np.abs(known - 1.0).max()) if len(known) else 0.0
 
 
 def rolling_ratios(car: Car, curvature: float, steer: float) -> NDArray[np.float64]:

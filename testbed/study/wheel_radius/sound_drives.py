@@ -1,8 +1,8 @@
 """Drives of sound cars, on which the alarm's threshold is set and its false alarms are counted: not the study's own.
 
 A car: driven axle, tyres unequal by up to 0.6 % in radius, `estimators.car.Car` told to the estimators with masses,
-lengths, inertias and drag wrong by up to TOLD_ERROR, a calibration drive of CALIBRATION on country road or motorway with
-up to PAYLOAD_BEFORE on board. Then drives of DURATION on other days: road level log-uniform from the centre of class A
+lengths, inertias and drag wrong by up to TOLD_ERROR, a calibration drive of CALIBRATION on country road or motorway
+with up to PAYLOAD_BEFORE on board. Then drives of DURATION on other days: road level log-uniform from the centre of class A
 to that of D, all manoeuvres that are ordinary driving, 40 to 130 km/h, friction 1.0 to 0.2, payload to 400 kg anywhere
 from the front seats to behind the rear axle, grade, bank, gusting wind, 0 to 40 C with the pressures following.
 
@@ -19,7 +19,6 @@ from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from estimators.car import Car
 from estimators.drive_log import WHEELS
@@ -31,7 +30,7 @@ from testbed.campaign.variants import believed_car
 from testbed.scenario import Scenario
 from testbed.sensors import SensorSuite, sensor_settings
 from testbed.session import motion_of, needed
-from testbed.simulation import Simulation
+from testbed.simulation import Simulation, Stretch
 from testbed.study.study import run_seed
 
 CALIBRATION, DURATION = 400.0, 600.0  # s
@@ -108,7 +107,7 @@ def driven_cells(scenario: Scenario) -> Cells:
     settings = needed(sensor_settings(scenario.sensors), reads)
     suite = SensorSuite(settings, scenario.seed, simulation, car_seed=scenario.car_seed)
     grid, parts, end = Grid(CHANNELS, STEP), [], 0.0
-    stretches: Iterator[dict[str, NDArray]] = iter(simulation.stretches())
+    stretches: Iterator[Stretch] = simulation.stretches()
     while True:
         try:
             stretch = next(stretches, None)
