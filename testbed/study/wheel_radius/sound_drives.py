@@ -2,9 +2,10 @@
 
 A car: driven axle, tyres unequal by up to 0.6 % in radius, `estimators.car.Car` told to the estimators with masses,
 lengths, inertias and drag wrong by up to TOLD_ERROR, a calibration drive of CALIBRATION on country road or motorway
-with up to PAYLOAD_BEFORE on board. Then drives of DURATION on other days: road level log-uniform from the centre of class A
-to that of D, all manoeuvres that are ordinary driving, 40 to 130 km/h, friction 1.0 to 0.2, payload to 400 kg anywhere
-from the front seats to behind the rear axle, grade, bank, gusting wind, 0 to 40 C with the pressures following.
+with up to PAYLOAD_BEFORE on board. Then drives of DURATION on other days: road level log-uniform from the centre of
+class A to that of D, all manoeuvres that are ordinary driving, 40 to 130 km/h, friction 1.0 to 0.2, payload to 400 kg
+anywhere from the front seats to behind the rear axle, grade, bank, gusting wind, 0 to 40 C with the pressures
+following.
 
 Not in it: radii that move by 0.25 % from one day to the next, as one car's did. That is what a loss of 25 % does, and
 nothing in the radii tells the two apart; `estimators.itpms` has them in its model, this alarm does not.
