@@ -12,6 +12,7 @@ by speed (`speed_bins`), judged by the likelihood of the 16 patterns of low tyre
     WHEEL/vibration_flag, WHEEL/radius_flag     1 once the source alone has alarmed for that wheel
     WHEEL/voting_flag        1 once the voting scheme has warned
     vibration_confidence, radius_confidence     c_1, c_2 of the voting scheme [nats]
+    agreed_confidence        their mean where both analyses mean the same tyres, else 0 [nats]
 
 After a reset (no calibration given, or `relearn`) it learns for LEARNING blocks and gives no alarm. A change of all
 four pressures with the weather is a change of pressure and shows; an equal loss in all four is seen by vibration alone.
@@ -41,7 +42,7 @@ from estimators.itpms.patterns import Judgement
 from estimators.itpms.speed_bins import Calibration
 from estimators.itpms.summary import summary
 from estimators.itpms.thresholds import TUNED
-from estimators.itpms.voting import Vote, warning
+from estimators.itpms.voting import Vote, agreed, warning
 from estimators.itpms.warming import Warming
 from estimators.wheel_radius.motion import CHANNELS, MotionTracker
 
@@ -173,6 +174,7 @@ class Itpms(Estimator):
         said: dict[str, tuple[float, float]] = {}
         votes = {source: Vote.of(judgements.get(source)) for source in SOURCES[:2]}
         self._voted |= set(warning(votes["vibration"], votes["radius"], TUNED.voting))
+        said["agreed_confidence"] = (agreed(votes["vibration"], votes["radius"]), 0.0)
         for w, wheel in enumerate(WHEELS):
             said[f"{wheel}/pressure_change"] = (float(np.expm1(change[w])), float(std[w]))
             said[f"{wheel}/low_probability"] = (float(low[w]), float(np.sqrt(low[w] * (1.0 - low[w]))))

@@ -19,7 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-NODES = np.array([5.0, 10.0, 15.0, 20.0, 25.0, 30.0, 36.0, 43.0])  # m/s
+NODES = np.array([5.0, 10.0, 12.5, 15.0, 20.0, 25.0, 30.0, 36.0, 43.0])  # m/s
 Array = NDArray[np.float64]
 
 
@@ -36,7 +36,7 @@ class ModeNodes:
     shape: tuple[float, ...]
     level: tuple[float, float]
     step: tuple[float, float]
-    loose: float = 1.0
+    loose: tuple[float, ...]
 
     @property
     def count(self) -> int:
@@ -54,7 +54,7 @@ class ModeNodes:
 
     def covariance(self, level: tuple[float, float], step: tuple[float, float]) -> Array:
         """The same with other stds, shape (4 K, 4 K)."""
-        far = np.cumsum(np.where(np.arange(self.count) < self.anchor, self.loose**2, 1.0))
+        far = np.concatenate([[0.0], np.cumsum(np.square(self.loose))])
         far = far - far[self.anchor]
         same = np.sign(far)[:, None] * np.sign(far) > 0.0
         walk = np.where(same, np.minimum(np.abs(far)[:, None], np.abs(far)), 0.0)
@@ -71,10 +71,12 @@ class ModeNodes:
 
 
 ANTIPHASE = ModeNodes(
-    "antiphase", 1, 8, 2, (86.0, 88.5), (-0.035, -0.015, 0.0, 0.003, 0.003, 0.002, 0.0), (0.06, 0.03),
-    (3e-3, 2e-3), 2.0,
+    "antiphase", 1, 9, 3, (86.8, 89.4), (-0.04, -0.025, -0.01, 0.0, 0.008, 0.008, 0.01, 0.01), (0.06, 0.03),
+    (3e-3, 2.7e-3), (10.0, 4.0, 2.0, 1.0, 1.0, 1.0, 1.0),
 )  # fmt: skip
-IN_PHASE = ModeNodes("in_phase", 0, 4, 2, (44.0, 47.0), (0.0, 0.0, 0.0, 0.0), (0.08, 0.06), (2e-2, 1.5e-2))
+IN_PHASE = ModeNodes(
+    "in_phase", 0, 5, 3, (43.0, 46.5), (0.0, 0.0, 0.0, 0.0, 0.0), (0.08, 0.06), (3e-2, 2e-2), (1.0, 1.0, 1.0, 1.0)
+)
 MODE_NODES = (ANTIPHASE, IN_PHASE)
 
 

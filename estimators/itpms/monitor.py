@@ -43,13 +43,13 @@ from estimators.wheel_radius.wheel_change import CONTRASTS
 
 SENSITIVITY = (0.334, 0.19)
 SOURCES = ("vibration", "radius", "fused")
-WIDER = (1.0, 1.25)  # a block's frequency varies by that times what its spectrum says
-# std of ln f (common to the four wheels, of each wheel), of the two modes: from day to day, from node to node of a day, and
-DAY, DAY_STEP = ((0.009, 0.005), (0.02, 0.02)), ((1.5e-3, 1.5e-3), (1e-2, 1e-2))
-WALK = ((2e-4, 1e-4), (5e-4, 3e-4))  # per sqrt(s)
-CONTRAST_DAY = np.array([1.2e-3, 2.5e-3, 1.2e-3])
-CONTRAST_WALK = np.array([1e-5, 2e-5, 1e-5])  # per sqrt(s)
-GYRO_WALK, SLIP_DAY, SLIP_WALK, BEND_DAY = 2e-5, 0.01, 2e-4, 0.05
+WIDER = (1.0, 0.9)  # a block's frequency varies by that times what its spectrum says
+# std of ln f (common to the four wheels, of each wheel), of the two modes: from day to day, and from node to node of a day
+DAY, DAY_STEP = ((0.007, 0.0035), (0.036, 0.02)), ((4.5e-3, 3e-3), (0.04, 0.025))
+WALK = ((2e-4, 8e-5), (6e-4, 3e-4))  # within a drive, per sqrt(s)
+CONTRAST_DAY = np.array([2.5e-3, 4e-3, 3e-3])
+CONTRAST_WALK = np.array([5e-6, 6e-6, 4e-6])  # per sqrt(s)
+GYRO_WALK, SLIP_DAY, SLIP_WALK, BEND_DAY = 2e-5, 0.01, 1.5e-4, 0.1
 LATERAL = 1.5e-4  # of a contrast per m/s^2 of lateral acceleration: load transfer
 TIGHT = 0.03  # m, of left-right and diagonal per curvature: tracks as told are off, side slip turns the axles
 STEERED = 1.2  # m^2, of front-rear per curvature squared: so are the wheelbase and the steering ratio

@@ -2,19 +2,19 @@
 
 State, in which a sound car differs from its calibration (all random walks)
 
-    0-27    ln antiphase frequency of each wheel at 7 nodes of speed    what was not learnt; day's temperature, road
-    28-43   ln in-phase frequency of each wheel at 4 nodes
-    44-46   radius contrasts: left-right, front-rear, diagonal    day's radii, payload
-    47      offset of the gyro [rad/s]        48  slip per normalised traction of the driven axle [-]
-    49, 50  what the path's curvature adds to left-right and diagonal [m]: tracks that are not as told
-    51      half the difference of slip per traction, left less right [-]
-    52      how much more the tyres warm than `warming` says [-]
+    0-31    ln antiphase frequency of each wheel at 8 nodes of speed    what was not learnt; day's temperature, road
+    32-51   ln in-phase frequency of each wheel at 5 nodes
+    52-54   radius contrasts: left-right, front-rear, diagonal    day's radii, payload
+    55      offset of the gyro [rad/s]        56  slip per normalised traction of the driven axle [-]
+    57, 58  what the path's curvature adds to left-right and diagonal [m]: tracks that are not as told
+    59      half the difference of slip per traction, left less right [-]
+    60      how much more the tyres warm than `warming` says [-]
 
 One scalar measurement y with row h and variance R updates mean x and covariance P as usual, with a Huber weight. A loss
 d [ln pressure], shape (4,), that has come to the share s of its size adds g s d to the measurement. It moves the
 innovation by phi d,
 
-    phi = g s - h M,     M <- M + K phi          M: what the loss has pulled the state along so far, shape (53, 4)
+    phi = g s - h M,     M <- M + K phi          M: what the loss has pulled the state along so far, shape (61, 4)
 
 so each onset carries M and the sums B = sum phi nu / S, C = sum phi phi' / S, from which the likelihood ratio of any
 loss d is B d - d C d / 2 [Willsky & Jones, IEEE Trans. Autom. Control 21 (1976) 108]. Two kinds of onset begin with
@@ -39,7 +39,7 @@ HUBER = 3.0
 
 
 class SoundCar:
-    """mean (53,), covariance (53, 53); onsets: block numbers, rise: s over which each loss comes, shape (n,); score
+    """mean (61,), covariance (61, 61); onsets: block numbers, rise: s over which each loss comes, shape (n,); score
     (n, 4), information (n, 4, 4)."""
 
     def __init__(self, covariance: NDArray[np.float64], mean: NDArray[np.float64] | None = None) -> None:
@@ -61,7 +61,7 @@ class SoundCar:
         return self._information[: len(self.onsets)]
 
     def begin(self, block: int, seconds: float, walk: NDArray[np.float64], likeliest: int | None) -> int | None:
-        """A block begins: the state may have moved (walk: covariance, (53, 53)) and a loss may begin with it. seconds:
+        """A block begins: the state may have moved (walk: covariance, (61, 61)) and a loss may begin with it. seconds:
         of a block. likeliest: place of the onset that is best at present, which is kept; returns its place now."""
         self.covariance += walk
         for rise, most in zip((0.0, LEAK), ONSETS, strict=True):
@@ -91,7 +91,7 @@ class SoundCar:
     def take(
         self, row: NDArray[np.float64], loss: NDArray[np.float64], value: float, variance: float
     ) -> tuple[float, float]:
-        """One measurement: row h (53,), loss g (4,), value, variance R. Returns innovation and its explained
+        """One measurement: row h (61,), loss g (4,), value, variance R. Returns innovation and its explained
         variance h P h'."""
         return absorb(
             self.mean, self.covariance, self._pulled, self._score, self._information, self._share,
