@@ -73,9 +73,19 @@ def test_threshold_has_its_rate_on_a_statistic_of_known_tail() -> None:
 
 
 def test_bound_is_the_time_to_gather_the_threshold() -> None:
-    speed = np.concatenate([np.full(10, 20.0), np.zeros(10), np.full(100, 20.0)])
-    rate = 0.5 * information(np.array([20.0]), 1, 0.15)[0]
-    waited = detection_bound(speed, 10.0, 1, 0.15)
+    speed = np.concatenate([np.full(10, 20.0), np.zeros(10), np.full(300, 20.0)])
+    rate = 0.5 * information(np.array([20.0]), 1, np.array([0.15]))[0]
+    waited = detection_bound(speed, 10.0, 0.0, 1, 0.15)
     assert waited == pytest.approx(10.0 + math.log(ARL0) / rate)
-    assert detection_bound(speed, 10.0, 4, 0.15) == pytest.approx(10.0 + math.log(ARL0) / rate / 4.0)
-    assert detection_bound(np.zeros(50), 0.0, 4, 0.15) is None
+    assert detection_bound(speed, 10.0, 0.0, 4, 0.15) == pytest.approx(10.0 + math.log(ARL0) / rate / 4.0)
+    assert detection_bound(np.zeros(50), 0.0, 0.0, 4, 0.15) is None
+
+
+def test_bound_of_a_leak_gathers_while_it_leaks() -> None:
+    """Slowly enough it is known before the share is lost; the same leak ten times faster later than at once."""
+    speed = np.full(600, 20.0)
+    assert detection_bound(speed, 100.0, 120.0, 4, 0.15) == 0.0
+    sudden, leak = (detection_bound(speed, 100.0, within, 1, 0.10) for within in (0.0, 6.0))
+    assert sudden is not None
+    assert leak is not None
+    assert sudden - 6.0 < leak < sudden

@@ -52,7 +52,9 @@ def learn(blocks: Sequence[LearningBlock]) -> Calibration | None:
     level, std, told = np.empty((SIZE, len(NODES))), np.empty((3, len(NODES))), []
     for m, mode in enumerate(MODE_NODES):
         rows = slice(4 * m, 4 * m + 4)
-        level[rows], information = _frequencies(mode, speed[:, mode.first : mode.last], value[:, rows], variance[:, rows])
+        level[rows], information = _frequencies(
+            mode, speed[:, mode.first : mode.last], value[:, rows], variance[:, rows]
+        )
         told.append(information)
     slip, bend, bend_std = (SLIP, SLIP_STD), np.zeros(2), np.full(2, BEND_STD)
     regressors: dict[str, tuple[list[int], list[float], list[float]]] = {

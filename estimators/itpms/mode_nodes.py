@@ -2,13 +2,13 @@
 
 ln f of each mode and wheel is piecewise linear over some of the NODES of speed. What a block's spectrum is taken for
 moves with speed by more than the frequency does (at 13 to 16 m/s the contact patch's gap cuts the antiphase peak's
-upper side), the same way on every car: `shape`. About nominal a vector a over (wheel, node) of one mode is normal with
+upper side), much the same on every car: `shape`. About nominal a vector a over (wheel, node) of one mode is normal with
 
     cov(a) = 1 1' x (LEVEL_c^2 + STEP_c^2 B) + I x (LEVEL_e^2 + STEP_e^2 B)      x: Kronecker, wheels by nodes
 
 c common to the four wheels, e each wheel's own; B is a random walk over the nodes in both directions from the node
-`anchor`. So a speed never driven has an error that is mostly the same in all wheels: it hides an equal loss, and leaves
-wheels beside each other as sharp as they are. `shape` and STEPs: tuning cars, see `thresholds`.
+`anchor`. So a speed never driven has an error that is to a good part the same in all wheels: it hides an equal loss,
+and leaves wheels beside each other sharper. `shape` and STEPs: from tuning cars, see `thresholds`.
 """
 
 from __future__ import annotations
@@ -25,8 +25,8 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class ModeNodes:
-    """first, last: of NODES at which a frequency is kept; anchor: among these; nominal: front and rear [Hz]; shape: of ln
-    f, by node; level, step: std of ln f, (common, each); steps are wider by `loose` towards slower nodes."""
+    """first, last: of NODES at which a frequency is kept; anchor: among these; nominal: front and rear [Hz]; shape: of
+    ln f, by node; level, step: std of ln f, (common, each); loose: by how much wider each step between nodes is."""
 
     name: str
     first: int

@@ -3,12 +3,14 @@
 Residuals of a block (BLOCK seconds): ln of two torsional frequencies of each wheel, three radius contrasts, each less
 what the calibration expects at that speed. What a loss d [ln pressure] of a wheel adds to them:
 
-    antiphase, in phase     SENSITIVITY d                       d ln f / d ln p, declared from the linearised car
+    antiphase, in phase     SENSITIVITY d                       d ln f / d ln p, declared from the linearised car, as
+                                                                it takes the warmth of the tyres (`warming`)
     contrasts               CONTRASTS[:, wheel] sensitivity d   the car's d ln r / d p times its pressure
 
 The three sources (vibration, radius, both) differ in nothing else. `DAY`: how far a sound car may be off its
-calibration when a drive begins; `WALK`: how far it may go within a drive. Tuned on the cars of seeds 1 and 2 of
-`testbed.study.itpms_fusion`, which reports another seed's.
+calibration when a drive begins, at one speed and from node to node of speed; `WALK`: how far it may go within a drive.
+Of the vibration they are near the maximum of the innovations' likelihood on sound drives of tuning cars (`thresholds`);
+for the radius that maximum is too sure of itself in the tail, and wider values are kept.
 """
 
 from __future__ import annotations
@@ -44,7 +46,7 @@ from estimators.wheel_radius.wheel_change import CONTRASTS
 SENSITIVITY = (0.334, 0.19)
 SOURCES = ("vibration", "radius", "fused")
 WIDER = (1.0, 0.9)  # a block's frequency varies by that times what its spectrum says
-# std of ln f (common to the four wheels, of each wheel), of the two modes: from day to day, and from node to node of a day
+# std of ln f (common to the four wheels, of each wheel) of the two modes: from day to day, from node to node of a day
 DAY, DAY_STEP = ((0.007, 0.0035), (0.036, 0.02)), ((4.5e-3, 3e-3), (0.04, 0.025))
 WALK = ((2e-4, 8e-5), (6e-4, 3e-4))  # within a drive, per sqrt(s)
 CONTRAST_DAY = np.array([2.5e-3, 4e-3, 3e-3])
@@ -55,7 +57,7 @@ TIGHT = 0.03  # m, of left-right and diagonal per curvature: tracks as told are 
 STEERED = 1.2  # m^2, of front-rear per curvature squared: so are the wheelbase and the steering ratio
 TRACTION = 2e-3  # of a contrast per normalised traction: slip that is not linear
 BRAKED = 0.05  # of front-rear per normalised engine braking: brakes that help it lightly are not told from it
-LEAST_NOISE = np.array([1.5e-4, 2e-4, 1.5e-4])  # of a block's contrast that its neighbours share and no average removes
+LEAST_NOISE = np.array([1.5e-4, 2e-4, 1.5e-4])  # of a block's contrast, whatever its neighbours scatter by
 TURN = 2.0  # m/s, a change of speed that changes the calibration
 STANDSTILL = 1e-4  # rad/s of the gyro's mean while the car stands
 

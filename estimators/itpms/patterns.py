@@ -6,8 +6,9 @@ V = SPREAD^2 1 1' + ALIKE^2 I. Integrated over d, with u = V^-1 TYPICAL, K = C +
 
     ln L(m) = (B + u)' K^-1 (B + u) / 2 - u' V u / 2 - ln det(V K) / 2
 
-A loss smaller than LEAST, or a gain, is nothing to warn of: of d's normal distributions before and after only the part
-counts in which the mean of the low tyres' d is below LEAST (as many times more likely as that part has grown). The prior of a pattern: each further low tyre costs FURTHER, but all four lose as often as one.
+A gain, or a loss smaller than LEAST_LOSS, is nothing to warn of: of d's normal distributions before and after the data
+only the part counts in which the mean of the low tyres' d is below ln(1 - LEAST_LOSS), so ln L(m) has the ratio of the
+two parts added. The prior of a pattern: each further low tyre costs FURTHER, but all four lose as often as one.
 """
 
 from __future__ import annotations
@@ -21,7 +22,8 @@ from numpy.typing import NDArray
 from estimators.compiled import compiled
 
 TYPICAL, SPREAD, ALIKE = -0.18, 0.08, 0.015  # ln pressure: 16 % less, give or take 7, alike to 1.5
-LEAST = -0.062  # ln pressure: 6 % less
+LEAST_LOSS = 0.06  # of the pressure
+LEAST = math.log1p(-LEAST_LOSS)
 FURTHER = 1.0
 WIDE = 0.25  # ln pressure
 PATTERNS = np.array([[bool(code >> wheel & 1) for wheel in range(4)] for code in range(1, 16)])

@@ -129,6 +129,6 @@ def absorb(mean, covariance, pulled, score, information, share, row, loss, value
                 pulled[c, i, w] += gain[i] * phi[w] / total
     for i in range(n):
         mean[i] += gain[i] * innovation / total
-        for j in range(n):
-            covariance[i, j] -= gain[i] * gain[j] / total
+        for k in range(n):
+            covariance[i, k] -= gain[i] * gain[k] / total
     return innovation, explained

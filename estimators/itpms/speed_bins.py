@@ -1,9 +1,9 @@
 """Calibration by speed: what each residual is on sound tyres, at NODES of speed, and how surely; as a JSON document.
 
 Of a frequency the document holds its level at the nodes and the information that the data gave: a block at a speed
-between two nodes tells the sum of both, so the information is tridiagonal, `node` and `next`. With what is known of every car
-(`mode_nodes`) that gives the covariance of all that was not learnt. Of a radius contrast it holds level and std. Beside them
-the slip per traction and what the path's curvature adds (`learning`).
+between two nodes tells the sum of both, so the information is tridiagonal, `node` and `next`. With what is known of
+every car (`mode_nodes`) that gives the covariance of all that was not learnt. Of a radius contrast it holds level and
+std. Beside them the slip per traction and what the path's curvature adds (`learning`).
 """
 
 from __future__ import annotations
@@ -84,8 +84,6 @@ class Calibration:
             np.array([*level, *(row[0] for row in rows)]), (np.array(told[:4]), np.array(told[4:])),
             np.array([row[1] for row in rows]), (slip[0], slip[1]), np.array(bend[0]), np.array(bend[1]),
         )  # fmt: skip
-
-
 
 
 def _finite(values: Any, size: int) -> bool:

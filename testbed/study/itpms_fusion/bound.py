@@ -6,11 +6,11 @@ and floors as unknown as the road is (`testbed.study.itpms_vibration.bound`), in
     antiphase    0.24 Hz of 87 Hz in 60 s       in phase    6 % of pressure in 60 s, at 0.19 of ln f for ln p
 
 n tyres that lose d [ln pressure] therefore bring J = n sum over modes (g d)^2 I per second while the mode is heard
-(g = d ln f / d ln p). A CUSUM that knows pattern, loss, moment and the sound car's frequencies alarms when it has gathered
-ln(ARL0) nats, at J / 2 per second. Heard: antiphase from 13 m/s on, in phase between 9 and 16 m/s (the contact patch's
-gap and the slip's damping, see `estimators.vibration.modes`), so standing and creeping in town count as waiting. Radius
-adds to it where fewer than four tyres are low; what limits a radius is not noise but what else changes with traction,
-load and path, for which no bound is known.
+(g = d ln f / d ln p). A CUSUM that knows pattern, loss, moment and the sound car's frequencies alarms when it has
+gathered ln(ARL0) nats, at J / 2 per second. Heard: antiphase from 11 m/s on (as well as there as faster: the contact
+patch's gap, which weakens it, is left out, to the side of the bound), in phase between 9 and 16 m/s; so standing and
+creeping in town count as waiting. Radius adds to it where fewer than four tyres are low; what limits a radius is not
+noise but what else changes with traction, load and path, for which no bound is known.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from estimators.itpms.thresholds import FALSE_ALARMS_PER_HOUR
 RECORD = 60.0  # s
 # information about ln f in a second, slowest and fastest [m/s], of the default car
 HEARD = (
-    ((0.24 / 87.0) ** -2.0 / RECORD, 13.0, math.inf),
+    ((0.24 / 87.0) ** -2.0 / RECORD, 11.0, math.inf),
     ((0.06 * SENSITIVITY[1]) ** -2.0 / RECORD, 9.0, 16.0),
 )
 ARL0 = 3600.0 / FALSE_ALARMS_PER_HOUR  # samples of 1 s

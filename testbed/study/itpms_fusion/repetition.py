@@ -2,8 +2,7 @@
 
 For each drive by name: `wheels`, `onset_s`, `reached_s` (when the share is lost), `end_s`, `driven_s` before the onset,
 `alarms`: {method: [[time_s, [wheel, ...]], ...]} for the fused estimator, vibration and radius alone and the voting
-scheme; `largest`: {method: [largest statistic of each SPAN before the onset]} (voting: of the mean confidence
-where both analyses agree); `bound_s`: from the loss to what the
+scheme; `largest`: {method: [largest statistic of each SPAN before the onset]}; `bound_s`: from the loss to what the
 vibration's Cramer-Rao bound allows (`bound`). A drive ends early once every method that can see the loss has alarmed.
 """
 
@@ -28,7 +27,6 @@ from testbed.tyre.inflation import PRESSURE
 
 METHOD = "itpms"
 METHODS = ("fused", "vibration", "radius", "voting")
-STATISTICS = {m: f"{m}_statistic" for m in METHODS[:3]} | {"voting": "agreed_confidence"}
 AFTER = 6.0  # s that a drive goes on after the last alarm that is waited for
 
 
@@ -101,7 +99,7 @@ def _driven(drive: Drive, believed: Mapping[str, Any], learnt: Mapping[str, Any]
     return {
         "wheels": list(drive.wheels), "share": drive.share, "onset_s": drive.onset, "reached_s": reached, "end_s": end,
         "sound_s": min(sound, end), "ended": error, "alarms": alarms,
-        "largest": {method: _largest(said, name, min(sound, end)) for method, name in STATISTICS.items()},
+        "largest": {m: _largest(said, f"{m}_statistic", min(sound, end)) for m in METHODS[:3]},
         "bound_s": _bound(drive, speed),
         "speed_kmh": 3.6 * float(np.mean(speed)), "manoeuvre": drive.scenario.manoeuvre, "road": drive.scenario.road,
         "statistics": _series(said) if drive.name in ("15x1_sudden", "25x1_sudden", "sound") else None,
