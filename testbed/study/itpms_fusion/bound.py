@@ -11,6 +11,12 @@ gathered ln(ARL0) nats, at J / 2 per second. Heard: antiphase from 11 m/s on (as
 patch's gap, which weakens it, is left out, to the side of the bound), in phase between 9 and 16 m/s; so standing and
 creeping in town count as waiting. Radius adds to it where fewer than four tyres are low; what limits a radius is not
 noise but what else changes with traction, load and path, for which no bound is known.
+
+Four equal losses from before the drive are known by the mean ln f alone, against what a sound car's may be off: its
+std s from day to day and, at a speed not learnt, of what was not learnt (as `estimators.itpms.monitor` declares both).
+However long the drive, the share of such losses that passes a threshold of h nats is
+
+    P(found) = Phi(|g d| / s - sqrt(2 h))                  since a deviation of z s has z^2 / 2 nats
 """
 
 from __future__ import annotations
@@ -19,9 +25,11 @@ import math
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.stats import norm
 
-from estimators.itpms.monitor import SENSITIVITY
-from estimators.itpms.thresholds import FALSE_ALARMS_PER_HOUR
+from estimators.itpms.mode_nodes import ANTIPHASE, remaining
+from estimators.itpms.monitor import DAY, DAY_STEP, SENSITIVITY
+from estimators.itpms.thresholds import FALSE_ALARMS_PER_HOUR, TUNED
 
 RECORD = 60.0  # s
 # information about ln f in a second, slowest and fastest [m/s], of the default car
@@ -29,6 +37,7 @@ HEARD = (
     ((0.24 / 87.0) ** -2.0 / RECORD, 11.0, math.inf),
     ((0.06 * SENSITIVITY[1]) ** -2.0 / RECORD, 9.0, 16.0),
 )
+SURE = 1e8  # information about ln f at a speed at which a car learnt for long
 ARL0 = 3600.0 / FALSE_ALARMS_PER_HOUR  # samples of 1 s
 
 
@@ -39,6 +48,17 @@ def information(speed: NDArray[np.float64], tyres: int, lost: NDArray[np.float64
         heard = (speed >= slowest) & (speed <= fastest)
         total += np.where(heard, (sensitivity * np.log1p(-lost)) ** 2 * told, 0.0)
     return tyres * total
+
+
+def found_by_level(share: float, learnt: float, driven: float) -> float:
+    """P(found) [-] of four equal losses of that share from before the drive, of a car that learnt at one speed and is
+    driven at another [m/s]."""
+    known = SURE * np.outer(ANTIPHASE.weights(learnt), ANTIPHASE.weights(learnt))
+    unlearnt = remaining(ANTIPHASE.spread(), np.array([known] * 4))
+    mean = np.kron(np.full(4, 0.25), ANTIPHASE.weights(driven))
+    wander = math.sqrt(mean @ (unlearnt + ANTIPHASE.covariance(DAY[0], DAY_STEP[0])) @ mean)
+    moved = -SENSITIVITY[0] * math.log1p(-share)
+    return float(norm.cdf(moved / wander - math.sqrt(2.0 * TUNED.alone["fused"])))
 
 
 def detection_bound(
