@@ -87,7 +87,8 @@ def _drive(alarm: float | None, wheels: list[str], early: bool = False) -> dict[
         alarms["fused"] = [[50.0, ["rr"]]]
     return {
         "wheels": ["fl"], "share": 0.15, "onset_s": 180.0, "reached_s": 180.0, "end_s": 360.0, "sound_s": 180.0,
-        "ended": None, "alarms": alarms, "bound_s": 2.0, "speed_kmh": 80.0, "manoeuvre": "town", "road": "gd=1e-5",
+        "ended": None, "alarms": alarms, "bound_s": 2.0, "speed_kmh": 80.0, "fastest_kmh": 90.0,
+        "manoeuvre": "town", "road": "gd=1e-5",
         "largest": {m: list(np.random.default_rng(0).exponential(size=round(180.0 / SPAN))) for m in METHODS[:3]},
         "statistics": None,
     }  # fmt: skip
@@ -103,6 +104,9 @@ def test_times_isolation_and_false_alarms_are_counted_as_defined() -> None:
     rows = _rows([*given, _drive(5.0, ["fl"], early=True)])
     assert rows["detect_15pct_1_tyres_p95_s"].here == 19.0
     assert rows["detect_15pct_1_tyres_p95_s"].limit == 2.0
+    slow = _rows([*given, {**_drive(None, ["fl"]), "fastest_kmh": 42.0}, {**_drive(None, ["fl"]), "fastest_kmh": 42.0}])
+    assert slow["detect_15pct_1_tyres_p95_s"].here == np.inf
+    assert slow["detect_15pct_1_tyres_heard_p95_s"].here == 19.0
     assert rows["isolation_rate"].here == pytest.approx(19.0 / 20.0)
     assert rows["false_alarms"].here == 1.0
     assert rows["hours"].here == pytest.approx(21 * 180.0 / 3600.0)

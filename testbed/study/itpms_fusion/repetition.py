@@ -101,7 +101,8 @@ def _driven(drive: Drive, believed: Mapping[str, Any], learnt: Mapping[str, Any]
         "sound_s": min(sound, end), "ended": error, "alarms": alarms,
         "largest": {m: _largest(said, f"{m}_statistic", min(sound, end)) for m in METHODS[:3]},
         "bound_s": _bound(drive, speed),
-        "speed_kmh": 3.6 * float(np.mean(speed)), "manoeuvre": drive.scenario.manoeuvre, "road": drive.scenario.road,
+        "speed_kmh": 3.6 * float(np.mean(speed)), "fastest_kmh": 3.6 * max(speed),
+        "manoeuvre": drive.scenario.manoeuvre, "road": drive.scenario.road,
         "statistics": _series(said) if drive.name in ("15x1_sudden", "25x1_sudden", "sound") else None,
     }  # fmt: skip
 
