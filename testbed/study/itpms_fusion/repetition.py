@@ -148,7 +148,7 @@ def _largest(said: Mapping[str, list[Signal]], name: str, end: float) -> list[fl
 
 
 def _series(said: Mapping[str, list[Signal]]) -> dict[str, list[float]]:
-    """Statistics and confidences over time, for the figures."""
-    names = ("fused_statistic", "vibration_confidence", "radius_confidence", "vibration_statistic", "radius_statistic")
-    columns = {name: _joined(said, name) for name in names}
-    return {"time_s": columns[names[0]][0].tolist()} | {n: np.round(v, 3).tolist() for n, (_, v) in columns.items()}
+    """Confidences of the voting scheme over time, for its figure; both are said in every block."""
+    columns = {name: _joined(said, name) for name in ("vibration_confidence", "radius_confidence")}
+    time = columns["vibration_confidence"][0].tolist()
+    return {"time_s": time} | {name: np.round(value, 3).tolist() for name, (_, value) in columns.items()}
