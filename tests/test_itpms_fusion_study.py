@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from estimators.car import Car
-from estimators.drive_log import WHEELS
+from estimators.drive_log import WHEELS, Signal
 from estimators.itpms.thresholds import SPAN
 from models.tyre_properties import load_tyre
 from testbed.bench.itpms_cost import nominal
@@ -17,7 +17,7 @@ from testbed.campaign.variants import variant_of
 from testbed.study.itpms_fusion.cars import DAY_WARMTH, LEVELS, NOMINAL, SPEEDS, TOLD, TOLD_ERROR, RepetitionCar
 from testbed.study.itpms_fusion.drives import LOSSES, OFF_CALIBRATION, REGULATIONS, Drive, drives, name_of
 from testbed.study.itpms_fusion.itpms_fusion import ItpmsFusionStudy
-from testbed.study.itpms_fusion.repetition import METHODS
+from testbed.study.itpms_fusion.repetition import METHODS, _series
 from testbed.tyre.inflation import ATMOSPHERE
 
 CARS = 40
@@ -127,7 +127,11 @@ def test_a_rule_is_passed_in_its_time_only() -> None:
 
 
 def test_figures_are_drawn_of_whatever_was_driven() -> None:
-    rows = [{"drives": json.dumps({"15x1_sudden": _drive(4.0, ["fl"])})}]
+    time = np.arange(3.0, 30.0, 2.0)
+    said = {f"est/itpms/{name}_confidence": [Signal(time, 0.1 * time)] for name in ("vibration", "radius")}
+    said["est/itpms/fused_statistic"] = [Signal(time[5:], time[5:])]  # nothing was read in the first blocks
+    drive = _drive(4.0, ["fl"]) | {"statistics": _series(said)}
+    rows = [{"drives": json.dumps({"15x1_sudden": drive})}]
     assert set(ItpmsFusionStudy().figures(rows)) == {
         "detection-times", "false-alarm-tail", "figure-8-voting", "figure-9-warnings",
     }  # fmt: skip
