@@ -1,6 +1,6 @@
 """Drift and level of the evidence against a wheel, from a stated false-alarm rate.
 
-Record: the study's 58 scenarios nine times (seed 601, which no other run uses), 2.8 h: rapid steering, mu-split and hard
+Record: the study's 58 scenarios nine times (seed 601, used for nothing else), 2.8 h: rapid steering, mu-split and hard
 braking, circles. Largest evidence of each second in which no wheel was more than 13 km/h off the true speed of the car;
 all but 1 % of them have none, what there is comes from wheels under anti-lock control and from ice. Generalised Pareto
 tail (`scores.tail`) to one in 100 h: 1.07 m (95 %: 0.99 to 1.61; shares of 3 to 10 % in the tail give the same). DRIFT
