@@ -19,6 +19,7 @@ from __future__ import annotations
 import numpy as np
 
 from estimators.axles.block import BINS, FREQUENCIES, SHARE
+from estimators.axles.calibration import REFERENCE
 from estimators.axles.response import hub_responses
 from estimators.compiled import compiled
 
@@ -27,32 +28,35 @@ EDGES = (6.0, 11.0, 16.0)  # Hz, between the bands of nu
 BANDS = len(EDGES) + 1
 STATES = LOSS + BANDS
 BAND = np.searchsorted(np.array(EDGES), FREQUENCIES)
+_REFERENCE = float(np.log(REFERENCE))
 _STEP = 1e-3  # of ln k, in the central differences
 _FREQUENCIES = FREQUENCIES.copy()
 _BINS, _SHARE, _LOSS, _STATES = BINS, SHARE, LOSS, STATES
 
 
 @compiled
-def expect(axles, theta, speed, shape, H, slope):
-    """H (2, BINS) at theta, and d ln H / d ln k, slope (2, 2, BINS) by stiffness and hub; shape (2, BINS): factor on
-    H, the identified correction."""
+def expect(axles, theta, speed, stretch, shape, bend, H, slope):
+    """H (2, BINS) at theta, and d ln H / d ln k, slope (2, 2, BINS) by stiffness and hub; shape, bend (2, BINS): the
+    identified correction, see `calibration`."""
     kf, kr = np.exp(theta[0]), np.exp(theta[1])
     ahead = np.exp(_STEP)
     up, down = np.empty((2, _BINS), np.complex128), np.empty((2, _BINS), np.complex128)
-    hub_responses(axles, kf, kr, speed, _FREQUENCIES, H)
+    hub_responses(axles, kf, kr, speed, stretch, _FREQUENCIES, H)
     for p in range(2):
         if p == 0:
-            hub_responses(axles, kf * ahead, kr, speed, _FREQUENCIES, up)
-            hub_responses(axles, kf / ahead, kr, speed, _FREQUENCIES, down)
+            hub_responses(axles, kf * ahead, kr, speed, stretch, _FREQUENCIES, up)
+            hub_responses(axles, kf / ahead, kr, speed, stretch, _FREQUENCIES, down)
         else:
-            hub_responses(axles, kf, kr * ahead, speed, _FREQUENCIES, up)
-            hub_responses(axles, kf, kr / ahead, speed, _FREQUENCIES, down)
+            hub_responses(axles, kf, kr * ahead, speed, stretch, _FREQUENCIES, up)
+            hub_responses(axles, kf, kr / ahead, speed, stretch, _FREQUENCIES, down)
         for hub in range(2):
             for i in range(_BINS):
                 slope[p, hub, i] = (up[hub, i] - down[hub, i]) / (2.0 * _STEP * H[hub, i])
+                slope[p, hub, i] += 0.5 * bend[hub, i]
+    mean = 0.5 * (theta[0] + theta[1]) - _REFERENCE
     for hub in range(2):
         for i in range(_BINS):
-            H[hub, i] *= shape[hub, i]
+            H[hub, i] *= shape[hub, i] * np.exp(bend[hub, i] * mean)
 
 
 @compiled

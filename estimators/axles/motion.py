@@ -54,3 +54,8 @@ class Motion:
         turning = (levels[1] - levels[0]) / track if len(levels) == 2 else 0.0
         heard = gyro[np.isfinite(gyro)]
         self.yaw_rate = float(heard.mean()) if len(heard) else float(turning)
+
+
+def stretch(speed: float, acceleration: float, wheelbase: float) -> float:
+    """Speed of the front wheel, when it was where the rear wheel is now, over the present speed [-]; m/s, m/s^2, m."""
+    return float(np.sqrt(max(1.0 - 2.0 * acceleration * wheelbase / speed**2, 0.25)))
