@@ -10,8 +10,8 @@ lengths by up to 10 %), driven on days of its own (road level log-uniform from t
                           after about `BEFORE` seconds; watched for `WATCH` seconds; nothing learnt before the drive
     15_before             one tyre 15 % low from the start, with the calibration of another day; `WATCH` seconds
 
-Time to the alarm runs from the moment at which the share is lost, in the last case from the start of the drive. Row of a
-drive: `wheels`, `onset_s`, `reached_s`, `end_s`, `sound_s`, `alarms` [[time_s, [wheel]]], `largest`: the largest
+Time to the alarm runs from the moment at which the share is lost, in the last case from the start of the drive. Row of
+a drive: `wheels`, `onset_s`, `reached_s`, `end_s`, `sound_s`, `alarms` [[time_s, [wheel]]], `largest`: the largest
 statistic of each side in each `SPAN` of sound driving.
 """
 
@@ -74,7 +74,7 @@ def alarm_row(task: Task) -> Row:
         found[f"15_{manoeuvre}"] = _drive(car, lossy, (wheel,), onset, None, {})
     wheel = WHEELS[int(rng.integers(4))]
     scenario = car.day(66, WATCH, manoeuvre=ROLLING[int(rng.integers(3))])
-    low = scenario.pressures | {wheel: (1.0 - SHARE) * scenario.pressures[wheel]}
+    low = {**scenario.pressures, wheel: (1.0 - SHARE) * scenario.pressures[wheel]}
     found["15_before"] = _drive(car, dataclasses.replace(scenario, pressures=low), (wheel,), 0.0, learnt, {})
     return {"axle_alarm": json.dumps(found)}
 
