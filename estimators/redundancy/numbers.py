@@ -5,9 +5,9 @@ come from a record of sound drives through `estimators.detectors.empirical_thres
 alarm in `SOURCES` times `HOURS`, extrapolated from the tail of what 20 to 400 alarms in the record exceed. The torque's
 is a flag and takes the accelerometer's.
 
-The record: 2.75 h in 66 drives of the mix of the study that judges, with seeds of its own (77003): `python -m
-testbed.study.sensor_faults.design 66`. Drifts, noise floors and priors were chosen on an earlier one of 2.6 h, `sources`'
-slip of a driven pair on this one."""
+The record: 2.75 h in 66 drives of the mix of the study that judges, with seeds of its own (77003):
+`python -m testbed.study.sensor_faults.design 66`. Drifts, noise floors and priors were chosen on an earlier one of 2.6
+h, the slip of a driven pair in `sources` on this one."""
 
 import numpy as np
 
