@@ -12,7 +12,7 @@ from estimators.car import Car
 from estimators.quarter_car.bound import Setting, relative_stiffness_std
 from estimators.quarter_car.quarter_car import QuarterCar
 from estimators.quarter_car.response import response, road_spectrum
-from estimators.vertical_pressure.anti_alias import RATE, STEP, analogue, sections
+from estimators.vertical_pressure.anti_alias import HIGH_PASS, RATE, STEP, analogue, sections
 from estimators.vertical_pressure.bank import LEVELS, SENSOR_VARIANCE, STIFFNESSES, AxleBank, at_rest, hear
 from estimators.vertical_pressure.chain import continuous, sampled
 from estimators.vertical_pressure.corner import from_document, maker_corner, to_document
@@ -72,7 +72,7 @@ def test_sampling_is_the_matrix_exponential_and_keeps_the_stationary_covariance(
     assert np.abs((P - A @ P @ A.T - Q) / np.outer(scale, scale)).max() < 1e-7
 
 
-def test_chain_is_the_quarter_car_behind_footprint_and_low_pass() -> None:
+def test_chain_is_the_quarter_car_behind_footprint_and_both_filters() -> None:
     """With a light belt the hub's spectrum is `response` times the road's, the cams' and the filter."""
     frequency = np.array([0.8, 2.0, 6.0, 11.0, 20.0, 27.0])
     quarter = QUARTER._replace(unsprung_mass=60.0, belt_mass=1e-3)
@@ -83,8 +83,7 @@ def test_chain_is_the_quarter_car_behind_footprint_and_low_pass() -> None:
     length = quarter.footprint * (STIFFNESS / 250e3) ** -quarter.softer
     cams = np.cos(np.pi * frequency * length / SPEED)
     wanted = np.abs(response(plain, STIFFNESS, frequency)[:, 1] * cams * in_band(frequency)) ** 2
-    corner = 0.127 * SPEED
-    road = road_spectrum(frequency, 1.0, SPEED) * frequency**2 / (frequency**2 + (corner / (2.0 * np.pi)) ** 2)
+    road = road_spectrum(frequency, 1.0, SPEED) * frequency**2 / (frequency**2 + HIGH_PASS**2)
     assert 2.0 * np.abs(gain) ** 2 == pytest.approx(wanted * road, rel=5e-3)  # the delay's Pade form
 
 
