@@ -2,6 +2,8 @@
 
 `suv_quarter_cars.json`: the quarter car of each axle for the estimator `vertical_pressure`, written by `python -m
 testbed.identify_quarter_cars`; fields and units in `estimators/vertical_pressure/chain.py`.
+`suv_quarter_cars_by_class.json`: the published method's nonlinear quarter cars, by axle and road class, written by
+`python -m testbed.identify_published`.
 """
 
 from __future__ import annotations
@@ -11,8 +13,14 @@ from pathlib import Path
 from typing import Any
 
 QUARTER_CARS = Path(__file__).with_name("suv_quarter_cars.json")
+CLASS_QUARTER_CARS = Path(__file__).with_name("suv_quarter_cars_by_class.json")
 
 
 def identified() -> dict[str, dict[str, Any]]:
     """Calibrations by estimator."""
     return {"vertical_pressure": json.loads(QUARTER_CARS.read_text(encoding="utf-8"))}
+
+
+def identified_by_class() -> dict[str, dict[str, dict[str, Any]]]:
+    """c, c2, k, k3 and the errors of each case, by axle and class."""
+    return dict(json.loads(CLASS_QUARTER_CARS.read_text(encoding="utf-8")))

@@ -47,7 +47,7 @@ class KnownDrive:
 
 @dataclass(frozen=True)
 class Identified:
-    """quarter; costs: negative log-likelihood of a part of the drives over the number of samples, at each start's optimum."""
+    """quarter; costs: negative log-likelihood of a part of the drives, by sample, at each start's optimum."""
 
     quarter: Quarter
     costs: tuple[float, ...]
