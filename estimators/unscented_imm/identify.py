@@ -63,14 +63,12 @@ def _squares(q, road, tyre_stiffness, measured, dt, skip):
 
 def errors(quarter: QuarterCar, cases: Sequence[KnownCase]) -> NDArray[np.float64]:
     """See `Fitted`."""
-    squares = [
-        _squares(quarter, c.road, c.tyre_stiffness, c.measured, c.step, round(SETTLE / c.step)) for c in cases
-    ]
+    squares = [_squares(quarter, c.road, c.tyre_stiffness, c.measured, c.step, round(SETTLE / c.step)) for c in cases]
     return np.sqrt(np.array(squares))
 
 
 def identify(sprung_mass: float, unsprung_mass: float, cases: Sequence[KnownCase], seed: int) -> Fitted:
-    """The quarter car of these masses [kg] that is nearest to all cases. ValueError without cases or with short ones."""
+    """The quarter car of these masses [kg] nearest to all cases. ValueError without cases or with short ones."""
     if not cases or min(len(case.measured) * case.step for case in cases) <= 2.0 * SETTLE:
         raise ValueError(f"identification needs cases of more than {2.0 * SETTLE:g} s each")
 

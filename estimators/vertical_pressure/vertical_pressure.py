@@ -30,7 +30,14 @@ from estimators.grid import LATENCY, Cells, Channel, Grid
 from estimators.quarter_car.quarter_car import quarter_masses
 from estimators.quarter_car.tyre_law import TyreLaw
 from estimators.vertical_pressure.bank import AxleBank, at_rest, hear
-from estimators.vertical_pressure.corner import TYRES, Corner, expected_pressure, from_document, maker_corner, to_document
+from estimators.vertical_pressure.corner import (
+    TYRES,
+    Corner,
+    expected_pressure,
+    from_document,
+    maker_corner,
+    to_document,
+)
 from estimators.vertical_pressure.intake import BLOCK, HubIntake
 from estimators.vertical_pressure.posterior import LOG_LEVEL, LOG_STIFFNESS, Posterior, moments
 

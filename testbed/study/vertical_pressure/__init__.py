@@ -1,1 +1,1 @@
-"""Study `vertical-pressure`: tyre stiffness and pressure from hub and body accelerometers, published and at the limit."""
+"""Study `vertical-pressure`: tyre pressure from hub and body accelerometers, as published and at the limit."""

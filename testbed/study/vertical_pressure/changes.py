@@ -1,13 +1,13 @@
 """Rows on what changes during a drive: the road's class, the pressure; and on load and the measured road.
 
-    METHOD.mode_switch_delay_s     from the first metre of class D until the probability of D (mean of the wheels, over
-                                   the last half second) passes 0.5; median of the drives
-    METHOD.drop_follow_s           from the beginning of the fall until a wheel's estimate has fallen by half of it (25
-                                   kPa) below its own mean of the 5 s before, mean of a drive's wheels; median of the
-                                   drives. A drive in which a wheel's never does counts as not reached
-    METHOD.mass_24pct_shift_pct    how far the load moves the estimate at 30 s, less what it moves the truth, in % of
-                                   the pressure; the wheel whose mean over the drives is largest
-    METHOD.measured_road_*         error at the end of the measured road, 30 s
+METHOD.mode_switch_delay_s     from the first metre of class D until the probability of D (mean of the wheels, over
+                               the last half second) passes 0.5; median of the drives
+METHOD.drop_follow_s           from the beginning of the fall until a wheel's estimate has fallen by half of it (25
+                               kPa) below its own mean of the 5 s before, mean of a drive's wheels; median of the
+                               drives. A drive in which a wheel's never does counts as not reached
+METHOD.mass_24pct_shift_pct    how far the load moves the estimate at 30 s, less what it moves the truth, in % of
+                               the pressure; the wheel whose mean over the drives is largest
+METHOD.measured_road_*         error at the end of the measured road, 30 s
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from estimators.scores.interval import Interval, mean_interval, positive_mean_in
 from estimators.scores.survival import EventTimes, event_curve
 from testbed.study.study import StudyRow
 from testbed.study.vertical_pressure.errors import METHODS, error_and_std, of_kind, rmse
-from testbed.study.vertical_pressure.tasks import AFTER_DROP, BEFORE_DROP, DROP_AT, SMALL, SWITCH_AT, SWITCH_LONG
+from testbed.study.vertical_pressure.tasks import AFTER_DROP, BEFORE_DROP, SMALL, SWITCH_AT, SWITCH_LONG
 from testbed.study.vertical_pressure.work import FINE
 
 HALF = 0.5e-3 * (BEFORE_DROP - AFTER_DROP)  # kPa

@@ -62,7 +62,9 @@ def error_and_std(
 
 def bound_of(drives: Sequence[dict[str, Any]], seconds: float) -> Interval | None:
     """Root mean square of the drives' bounds [kPa]."""
-    found = [np.mean(np.square(d["bound"][at(d, seconds)])) for d in drives if "bound" in d and at(d, seconds) is not None]
+    found = [
+        np.mean(np.square(d["bound"][at(d, seconds)])) for d in drives if "bound" in d and at(d, seconds) is not None
+    ]
     return positive_mean_interval(np.array(found)).mapped(math.sqrt) if found else None
 
 
@@ -124,7 +126,7 @@ def _bias(drives: Sequence[dict[str, Any]], method: str) -> Iterator[StudyRow]:
 
 
 def _bounds(drives: Sequence[dict[str, Any]]) -> Iterator[StudyRow]:
-    for ending, kinds, knowledge in TABLES[:2]:
+    for ending, kinds, _ in TABLES[:2]:
         for seconds in MOMENTS:
             bound = bound_of(of_kind(drives, *kinds), seconds)
             if bound is not None:

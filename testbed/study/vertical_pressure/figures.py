@@ -85,13 +85,16 @@ def _errors(drives: Sequence[dict[str, Any]]) -> Figure:
             continue
         axes.plot(time, mean, color="tab:red", label="mean error")
         for sign in (-1.0, 1.0):
-            axes.plot(time, sign * np.array(spread), "--", color="tab:blue", label="std of errors" if sign > 0 else None)
+            axes.plot(
+                time, sign * np.array(spread), "--", color="tab:blue", label="std of errors" if sign > 0 else None
+            )
             axes.plot(time, sign * np.array(said), "--", color="black", label="reported std" if sign > 0 else None)
         axes.plot(time, one, color="tab:green", lw=1.0, label="one drive")
         reach = float(min(max(np.max(spread), np.max(said), np.abs(mean).max()) * 1.2, HIGHEST_SHOWN))
         axes.set(title=method, ylabel="error [kPa]", ylim=(-reach, reach))
         axes.set_xscale("log")
-    np.atleast_1d(figure.axes)[0].legend(fontsize="small")
+    if figure.axes[0].get_lines():
+        figure.axes[0].legend(fontsize="small")
     figure.supxlabel("time [s]")
     return figure
 

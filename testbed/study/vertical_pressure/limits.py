@@ -1,4 +1,4 @@
-"""The least error of the pressure that any method could have in a drive: `estimators.quarter_car.bound`, van Trees' form.
+"""The least error of the pressure that any method could have in a drive: `quarter_car.bound`, in van Trees' form.
 
 Road level unknown, prior of the pressure that of the study (uniform, counted by its std), the identified quarter car
 of each axle, both accelerometers to 50 Hz.

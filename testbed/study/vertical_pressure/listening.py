@@ -93,6 +93,10 @@ def _joined(words: dict[str, list[Signal]]) -> dict[str, Signal]:
 def last_said(time: NDArray[np.float64], value: NDArray[np.float64], at: Sequence[float]) -> NDArray[np.float64]:
     """What had been said at each moment of `at` [s], NaN before the first word; time (m,) rising, value (m, ...)."""
     place = np.searchsorted(time, np.asarray(at, float) + 1e-9, side="right") - 1
-    found = np.array(value[np.maximum(place, 0)], dtype=float) if len(time) else np.full((len(at), *value.shape[1:]), np.nan)
+    found = (
+        np.array(value[np.maximum(place, 0)], dtype=float)
+        if len(time)
+        else np.full((len(at), *value.shape[1:]), np.nan)
+    )
     found[place < 0] = np.nan
     return found

@@ -5,12 +5,15 @@
     imm_ukf_oracle       four modes, all given the road under the tyre's contact, which no car knows
     imm_ukf_state        four modes, each with the road's height as a state that white noise of its class drives
 
-Synthetic roads are drawn anew for every wheel and mode. The state begins at a draw from N(x_0, P_0) about the true
-stiffness, as published.
+Synthetic roads are drawn anew for every wheel and mode and begin at 0, where the car stands. The state begins at a draw
+from N(x_0, P_0) about the true stiffness, as published. What the filters take for the sensors' noise holds what a point
+contact leaves out, above all the belt's resonance at 77 Hz (1.7 m/s^2 in the hub on class B at 60 km/h, uncorrelated
+with the quarter car's). With the data sheet's 0.5 m/s^2 alone the oracle is 36 kPa off at 10 s and reports 2.
 """
 
 from __future__ import annotations
 
+import dataclasses
 from dataclasses import dataclass
 
 import numpy as np
@@ -28,6 +31,7 @@ from testbed.study.vertical_pressure.told import CLASSES, Told
 
 METHODS = ("single_ukf", "imm_ukf_oracle", "imm_ukf_synthetic", "imm_ukf_state")
 EVERY = 50  # steps between two words
+FELT_STD = (1.0, 4.0)  # m/s^2 in a_s, a_us: tuned for the oracle on five drives of seeds 9900 to 9904, classes A to D
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,6 +62,7 @@ def words_of(method: str, heard: Heard, told: Told, seed: int) -> Words:
         if unknown
         else known_road(quarters, float(stiffness.mean()))
     )
+    settings = dataclasses.replace(settings, measured_variance=np.square(FELT_STD))
     imm = CompiledImm(settings)
     imm.x[:] = _start(settings, stiffness, rng)[:, None, :]
     road = None if unknown else _road(method, heard, spectra, rng)
@@ -94,5 +99,5 @@ def _road(method: str, heard: Heard, spectra: list[float], rng: np.random.Genera
     if method == "imm_ukf_oracle":
         return np.repeat(heard.road[:, :, None], len(spectra), axis=2)
     speed = heard.scenario.speed
-    made = [[synthesised(g, speed, STEP, steps, rng) for g in spectra] for _ in range(wheels)]
-    return np.ascontiguousarray(np.transpose(np.array(made), (2, 0, 1)))
+    made = np.array([[synthesised(g, speed, STEP, steps, rng) for g in spectra] for _ in range(wheels)])
+    return np.ascontiguousarray(np.transpose(made - made[:, :, :1], (2, 0, 1)))

@@ -105,9 +105,7 @@ class _Repetition:
         yield self._one("switch", 20, f"A:{first:.6g},D:2000", class_spectrum("D"), SWITCH_LONG, **shown)
         change = {wheel: PressureSet(AFTER_DROP, scale * DROP_AT, DROP_WITHIN) for wheel in WHEELS}
         start = dict.fromkeys(WHEELS, BEFORE_DROP)
-        yield self._one(
-            "drop", 21, "B", class_spectrum("B"), DROP_LONG, **shown, pressures=start, pressure_sets=change
-        )
+        yield self._one("drop", 21, "B", class_spectrum("B"), DROP_LONG, **shown, pressures=start, pressure_sets=change)
         for percent, payload in MASSES.items():
             heavy = self._one(
                 "mass", 22, "B", class_spectrum("B"), MASS_LONG, **shown, payload=payload,

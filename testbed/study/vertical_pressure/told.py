@@ -91,7 +91,9 @@ def _quarters(car: Car, by_axle: Mapping[str, Mapping[str, float]]) -> dict[str,
             "sprung_mass": sprung * by.get("sprung_mass", 1.0), "unsprung_mass": unsprung * by.get("unsprung_mass", 1.0)
         }  # fmt: skip
         found[axle] = {
-            road: QuarterCar(**masses, **{name: learnt[axle][road][name] * by.get(name, 1.0) for name in QUARTER_FIELDS})
+            road: QuarterCar(
+                **masses, **{name: learnt[axle][road][name] * by.get(name, 1.0) for name in QUARTER_FIELDS}
+            )
             for road in CLASSES
         }
     return found

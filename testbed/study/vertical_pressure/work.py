@@ -9,7 +9,6 @@ true one; `classes`: probability of class D at the times, mean of the wheels; `c
 from __future__ import annotations
 
 import json
-import math
 from typing import Any
 
 import numpy as np
@@ -23,7 +22,6 @@ from testbed.study.vertical_pressure.limits import bounds
 from testbed.study.vertical_pressure.listening import ESTIMATORS, Heard, drive, last_said
 from testbed.study.vertical_pressure.published import METHODS as PUBLISHED
 from testbed.study.vertical_pressure.published import Words, words_of
-from testbed.study.vertical_pressure.tasks import MASS_LONG, SHORT
 
 NAMES = {"vertical_pressure": "bank", "axles": "axles"}
 SCORED = (*np.arange(0.5, 10.1, 0.5).tolist(), *np.arange(12.0, 60.1, 4.0).tolist())  # s
@@ -94,9 +92,7 @@ def said(heard: Heard, told: int, estimator: str, quantity: str):
         signals = [heard.said[told].get(f"est/{estimator}/{wheel}/{quantity}{ending}") for wheel in WHEELS]
 
         def of(times: list[float]) -> NDArray[np.float64]:
-            columns = [
-                np.full(len(times), np.nan) if s is None else last_said(s.time, s.value, times) for s in signals
-            ]
+            columns = [np.full(len(times), np.nan) if s is None else last_said(s.time, s.value, times) for s in signals]
             return np.stack(columns, axis=1)
 
         return of
