@@ -1,4 +1,4 @@
-"""Study `vertical-pressure`: tyre pressure from hub and body accelerometers. Brancati """Study `vertical-pressure`: tyre pressure from hub and body accelerometers, after Brancati & Tufano, Machines 2022, 10, Tufano, Machines 2022, 10,
+"""Study `vertical-pressure`: tyre pressure from hub and body accelerometers. Brancati & Tufano, Machines 2022, 10,
 1221, Tables 2 to 4, Figures 5 to 13: what the published filters tell, with which road, and what can be told at all.
 
 Drives of the multibody car on roads, seeds and levels that no identification saw (`tasks`). Rows by method:
