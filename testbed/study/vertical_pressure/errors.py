@@ -73,6 +73,10 @@ def rmse(error: NDArray[np.float64]) -> Interval:
     return positive_mean_interval(np.mean(error**2, axis=1)).mapped(math.sqrt)
 
 
+def _over(interval: Interval, by: float) -> Interval:
+    return Interval(interval.value / by, interval.low / by, interval.high / by)
+
+
 def class_biases(drives: Sequence[dict[str, Any]], method: str, seconds: float) -> dict[str, Interval]:
     """Mean error in each class [kPa]; levels count to the nearest."""
     found = {}
@@ -141,7 +145,7 @@ def _ratios(drives: Sequence[dict[str, Any]]) -> Iterator[StudyRow]:
             error, _ = error_and_std(own, method, seconds)
             bound = bound_of([d for d in own if at(d, seconds) is not None], seconds)
             if len(error) and bound is not None:
-                ratio = rmse(error).mapped(lambda e, b=bound.value: e / b)
+                ratio = _over(rmse(error), bound.value)
                 yield StudyRow.of(
                     f"{method}.rmse_over_bound_{seconds:g}s", "-", ratio,
                     limit=MOST_OVER_BOUND if (method, seconds) == ("bank", 10.0) else None,

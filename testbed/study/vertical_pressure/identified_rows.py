@@ -24,6 +24,6 @@ def table() -> Iterator[StudyRow]:
             for name, (symbol, unit, place) in COLUMNS.items():
                 paper = PUBLISHED[road][place] if axle == "front" else None
                 yield StudyRow(f"table3.{axle}_{road}_{symbol}", unit, paper, values[name])
-            for place in ("body", "hub"):
-                error = float(np.mean(values[f"error_{place}"]))
-                yield StudyRow(f"table3.{axle}_{road}_rmse_{place}", "m/s^2", None, error)
+            for part in ("body", "hub"):
+                error = float(np.mean(values[f"error_{part}"]))
+                yield StudyRow(f"table3.{axle}_{road}_rmse_{part}", "m/s^2", None, error)

@@ -81,7 +81,7 @@ def words_of(method: str, heard: Heard, told: Told, seed: int) -> Words:
         return np.stack(each, axis=1)
 
     std = np.stack([law.pressure_std(np.sqrt(variance[:, w]), speed, loads[w]) for w in range(len(WHEELS))], axis=1)
-    time = STEP * EVERY * np.arange(1, len(k) + 1)
+    time = STEP * EVERY * np.arange(1, len(k) + 1, dtype=np.float64)
     return Words(time, pressure(k), std, probability, pressure(modes))
 
 

@@ -70,7 +70,7 @@ class _Repetition:
         """The measured road's level is not drawn: spectrum NaN is null."""
         seed = run_seed(self._seed, self._number, purpose)
         rng = np.random.default_rng(seed)
-        drawn = {
+        drawn: dict[str, Any] = {
             "speed": float(rng.uniform(*SPEEDS)),
             "pressures": dict(zip(WHEELS, rng.uniform(LOWEST, HIGHEST, len(WHEELS)).tolist(), strict=True)),
         }

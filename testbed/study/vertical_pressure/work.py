@@ -116,8 +116,9 @@ def _entry(value: NDArray[np.float64], std: NDArray[np.float64]) -> dict[str, An
 
 def _listed(table: NDArray[np.float64]) -> Any:
     """Nested lists, null for what is not finite."""
-    rounded = np.round(table, 4)
-    return np.where(np.isfinite(rounded), rounded, None).tolist()
+    values = np.round(table, 4).astype(object)
+    values[~np.isfinite(table)] = None
+    return values.tolist()
 
 
 def _course(task: Task, heard: Heard) -> dict[str, Any]:
