@@ -1,0 +1,208 @@
+"""Estimator `axles`: stiffness and pressure of both tyres of a side from the road that they share.
+
+The rear wheel meets the front wheel's road one wheelbase later (`delay`), so the road's level and shape, which bound what
+one wheel can tell (`quarter_car.bound`), fall out of the comparison of the two: ln k_f - ln k_r is known to 2 % after 2 s
+and below 1 % after 10 s, and each stiffness better than alone (`bound`). How much the two have in common is measured
+(`likelihood`: nu) and, off the straight line, known (`off_tracking`): where nothing is common, the standard deviations
+are those of two single wheels. Estimates every `SAY` blocks (half a second):
+
+    WHEEL/stiffness       at the mean static load and the present speed [N/m]
+    WHEEL/pressure        by the maker's tyre law, taken for exact [Pa]
+    left/difference, right/difference     ln k_front - ln k_rear [-]
+    left/coherence, right/coherence       share of the road that both wheels have in common, mean over the band [-]
+    left/statistic, right/statistic       of the CUSUM behind the alarm (`watch`), in its own units
+
+An alarm names a tyre that has lost pressure against the other one of its side, in this drive or since the drive of the
+calibration, at one false alarm in 100 h. Each side for itself. An equal loss front and rear on one side shows only as
+well as in two single wheels. Below `SLOWEST` nothing is learnt.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from estimators.axles.block import spectrum
+from estimators.axles.calibration import Identified, from_document, maker_axles, sound_from, to_document
+from estimators.axles.intake import BLOCKS, SideIntake
+from estimators.axles.likelihood import FRONT, LOSS, REAR
+from estimators.axles.motion import Motion, stretch
+from estimators.axles.off_tracking import coherency, offset
+from estimators.axles.side import Side
+from estimators.axles.watch import FRONT_LOST, LARGEST, Watch
+from estimators.car import GRAVITY, Car
+from estimators.detectors import CusumMean, Monitor
+from estimators.drive_log import WHEELS, Signal
+from estimators.estimator import Alarm, Estimate, Estimator, Outputs
+from estimators.grid import LATENCY, Cells, Channel, Grid
+from estimators.quarter_car.quarter_car import quarter_masses
+from estimators.quarter_car.tyre_law import TyreLaw
+from estimators.vertical_pressure.intake import BLOCK
+
+SAY = 2  # blocks from one estimate to the next
+SLOWEST, FASTEST = 7.0, 90.0  # m/s
+PRIOR_STD, USUAL_SPEED = 0.18, 20.0  # of ln k, m/s. Declared: tyres in use, leaks among them
+SIDES = ("left", "right")
+SOUND = "sound"  # of a calibration: d and its std by side
+ALARM_TEXT = "against the other tyre of its side; false alarms: one in 100 h"
+REOPENED = 0.12  # of ln k: what is forgotten once something has changed
+COMMON_DRIFT, COMMON_THRESHOLD = 0.5, 15.0  # CUSUM of the mean ln k of a side, for nothing but `REOPENED`
+_MS = 1e-3
+_SECONDS = BLOCK * _MS
+CHANNELS = (
+    *(Channel(f"hub/{wheel}/accel_z") for wheel in WHEELS),
+    *(Channel(f"wheel/{wheel}/speed") for wheel in WHEELS),
+    Channel("imu/gyro", 2),
+)
+_NEEDED = len(WHEELS) * 2
+Rows = dict[str, list[tuple[float, float, float]]]
+
+
+class Axles(Estimator):
+    """Both sides."""
+
+    name = "axles"
+    requires = tuple(channel.signal for channel in CHANNELS[:_NEEDED])
+    reads = (*requires, "imu/gyro")
+
+    def __init__(self, car: Car) -> None:
+        super().__init__(car)
+        self._law = TyreLaw.of(car)
+        self._loads = [sum(quarter_masses(car, wheel)) * GRAVITY for wheel in WHEELS]
+        self._grid = Grid(CHANNELS, _MS)
+        self._heard = np.zeros(len(CHANNELS), dtype=bool)
+        self._waiting: list[Cells] = []
+        self._next: int | None = None
+        self._identified: Identified | None = None
+        self._start(maker_axles(car), {})
+
+    def _start(self, known: Identified, sound: Mapping[str, tuple[float, float]]) -> None:
+        self._known = known
+        self._watches = [Watch(sound.get(name)) for name in SIDES]
+        self._commons = [Monitor(CusumMean(COMMON_DRIFT, COMMON_THRESHOLD, "both"), "restart") for _ in SIDES]
+        self._moved = [False, False]
+        usual = [float(np.log(self._law.stiffness_at(self.car.pressure, USUAL_SPEED, load))) for load in self._loads]
+        self._sides = [Side(known, np.array([usual[s], usual[2 + s]]), PRIOR_STD) for s in range(2)]
+        self._intakes = [SideIntake(known.axles.wheelbase) for _ in range(2)]
+        self._motions: list[Motion] = []
+
+    def use_calibration(self, document: Mapping[str, Any]) -> None:
+        """The identified axles, see `calibration`, and under `sound` what this car's differences were."""
+        sound = sound_from(document.get(SOUND, {}))
+        self._identified = from_document(document)
+        self._start(self._identified, sound)
+
+    def calibration(self) -> dict[str, Any] | None:
+        """The axles it was given, which are identified at known pressures, and the differences that it has learnt, of
+        sides without an alarm; None without identified axles."""
+        if self._identified is None:
+            return None
+        learnt = {
+            name: [watch.reference, watch.std]
+            for name, watch in zip(SIDES, self._watches, strict=True)
+            if watch.reference is not None and not watch.alarmed
+        }
+        return to_document(self._identified) | ({SOUND: learnt} if learnt else {})
+
+    def update(self, samples: Mapping[str, Signal], until: float) -> Outputs:
+        """See `Estimator.update`."""
+        flags = self._grid.add(samples)
+        cells, more = self._grid.close(until)
+        if len(cells.index):
+            self._waiting.append(cells)
+        closed = int(np.floor((until - LATENCY) / _MS + 1e-6)) // BLOCK
+        rows: Rows = {}
+        alarms: list[Alarm] = []
+        for block, values in self._blocks(closed):
+            self._step(block, values, alarms)
+            if block % SAY == SAY - 1 and self._heard[:_NEEDED].all():
+                self._say((block + 1) * _SECONDS, rows)
+        return Outputs(
+            {name: _estimate(name, row) for name, row in rows.items()}, tuple(alarms), tuple(sorted([*flags, *more]))
+        )
+
+    def _blocks(self, closed: int) -> list[tuple[int, NDArray[np.float64]]]:
+        """Whole blocks before `closed` that hold samples: number, values (BLOCK, channels)."""
+        if not self._waiting:
+            return []
+        index = np.concatenate([cells.index for cells in self._waiting])
+        value = np.concatenate([cells.value for cells in self._waiting])
+        number = index // BLOCK
+        ready = number < closed
+        self._waiting = [Cells(index[~ready], index[~ready] * _MS, value[~ready])] if (~ready).any() else []
+        found = []
+        for block in np.unique(number[ready]).tolist():
+            inside = number == block
+            values = np.full((BLOCK, len(CHANNELS)), np.nan)
+            values[index[inside] - block * BLOCK] = value[inside]
+            found.append((block, values))
+        return found
+
+    def _step(self, block: int, values: NDArray[np.float64], alarms: list[Alarm]) -> None:
+        missed = 0 if self._next is None else block - self._next
+        self._next = block + 1
+        self._heard |= np.isfinite(values).any(axis=0)
+        motion = Motion(self.car, values[:, 4:8], values[:, 8])
+        self._motions = [motion] if missed else [*self._motions[1 - BLOCKS :], motion]
+        for s in range(2):
+            self._sides[s].pass_time((missed + 1) * _SECONDS)
+            if missed:
+                self._intakes[s].skip()
+            speed = motion.speed[s]
+            if not SLOWEST <= float(speed.min()) <= float(speed.max()) <= FASTEST:
+                self._intakes[s].skip()
+                continue
+            window = self._intakes[s].block(values[:, s], values[:, 2 + s], speed)
+            if window is not None:
+                self._take(s, window, (block + 1) * _SECONDS, alarms)
+
+    def _take(self, s: int, window: NDArray[np.float64], time: float, alarms: list[Alarm]) -> None:
+        wheelbase, side, watch = self._known.axles.wheelbase, self._sides[s], self._watches[s]
+        speed = float(np.mean([m.speed[s].mean() for m in self._motions]))
+        acceleration = float(np.mean([m.acceleration for m in self._motions]))
+        turn = max(abs(m.yaw_rate) for m in self._motions)
+        mean = float(side.theta[[FRONT, REAR]].mean())
+        gamma = coherency(offset(turn, speed, wheelbase), speed)
+        alone = side.take(spectrum(window), speed, stretch(speed, acceleration, wheelbase), gamma)
+        lost = watch.step(*alone.difference, acceleration, _SECONDS)
+        if lost is not None:
+            wheel = WHEELS[s if lost == FRONT_LOST else 2 + s]
+            alarms.append(Alarm(time, f"low pressure {ALARM_TEXT}", (wheel,)))
+        if watch.moved and not self._moved[s]:
+            side.reopen((FRONT, REAR), REOPENED)
+        self._moved[s] = watch.moved
+        common = (alone.mean[0] - mean) / np.sqrt(alone.mean[1])
+        if self._commons[s].step(float(np.clip(common, -LARGEST, LARGEST))).alarm:
+            side.reopen((FRONT, REAR), REOPENED)
+
+    def _say(self, time: float, rows: Rows) -> None:
+        known, now = self._known, self._motions[-1].mean
+        rolling = now if SLOWEST <= now <= FASTEST else SLOWEST
+        for s, name in enumerate(SIDES):
+            side = self._sides[s]
+            variance = np.diag(side.P)
+            for state in (FRONT, REAR):
+                w = 2 * state + s
+                k = float(np.exp(side.theta[state]))
+                std = k * float(np.hypot(np.sqrt(variance[state]), known.stiffness_std))
+                rows.setdefault(f"{WHEELS[w]}/stiffness", []).append((time, k, std))
+                pressure = float(self._law.pressure_of(k, rolling, self._loads[w]))
+                pressure_std = float(self._law.pressure_std(std, rolling, self._loads[w]))
+                rows.setdefault(f"{WHEELS[w]}/pressure", []).append((time, pressure, pressure_std))
+            std = float(np.hypot(np.sqrt(side.difference_variance()), known.difference_std))
+            rows.setdefault(f"{name}/difference", []).append((time, float(side.theta[FRONT] - side.theta[REAR]), std))
+            rows.setdefault(f"{name}/statistic", []).append((time, self._watches[s].statistic, 0.0))
+            lost = np.exp(side.theta[LOSS:])
+            spread = float(np.mean(lost * np.sqrt(variance[LOSS:])))
+            rows.setdefault(f"{name}/coherence", []).append((time, float(np.mean(1.0 - lost)), min(spread, 1.0)))
+
+
+_UNITS = {"stiffness": "N/m", "pressure": "Pa"}
+
+
+def _estimate(name: str, rows: list[tuple[float, float, float]]) -> Estimate:
+    table = np.array(rows)
+    return Estimate(table[:, 0].copy(), table[:, 1].copy(), table[:, 2].copy(), _UNITS.get(name.rsplit("/", 1)[-1], ""))
