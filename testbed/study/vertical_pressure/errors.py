@@ -24,6 +24,7 @@ METHODS = (*PUBLISHED, "bank", "axles")
 BEST = ("bank", "axles")
 MOMENTS = (2.0, 10.0, 60.0)
 MOST_BIAS, MOST_OVER_BOUND = 3.0, 1.3  # kPa, -
+MOST_DIFFERENCE = {2.0: 2.5, 10.0: 1.2}  # % of ln k_front / k_rear
 # ending of the rows, kinds of drives, knowledge
 TABLES = (("", ("classes",), "right"), ("_levels", ("levels",), "right"), ("_wrong", ("levels",), "wrong"))
 
@@ -94,6 +95,7 @@ def table(drives: Sequence[dict[str, Any]]) -> Iterator[StudyRow]:
         yield from _accuracy(drives, method)
         yield from _bias(drives, method)
     yield from _bounds(drives)
+    yield from _difference(drives)
     yield from _ratios(drives)
 
 
@@ -135,6 +137,26 @@ def _bounds(drives: Sequence[dict[str, Any]]) -> Iterator[StudyRow]:
             bound = bound_of(of_kind(drives, *kinds), seconds)
             if bound is not None:
                 yield StudyRow.of(f"bound.rmse_kpa_{seconds:g}s{ending}", "kPa", bound)
+
+
+def difference_error(drives: Sequence[dict[str, Any]], seconds: float) -> NDArray[np.float64]:
+    """Of ln k_front / k_rear, (drives, sides), of the drives in which `axles` says it."""
+    found = []
+    for drive in drives:
+        place, entry = at(drive, seconds), drive.get("difference", {}).get("right")
+        if entry is not None and place is not None and None not in entry["value"][place]:
+            found.append(np.subtract(entry["value"][place], entry["truth"][place]))
+    return np.array(found).reshape(-1, 2)
+
+
+def _difference(drives: Sequence[dict[str, Any]]) -> Iterator[StudyRow]:
+    own = of_kind(drives, "classes", "levels", "short")
+    for seconds in MOMENTS:
+        error = 100.0 * difference_error(own, seconds)
+        if len(error):
+            limit = MOST_DIFFERENCE.get(seconds)
+            yield StudyRow.of(f"axles.difference_rmse_pct_{seconds:g}s", "%", rmse(error), limit=limit)
+            yield StudyRow.of(f"axles.difference_bias_pct_{seconds:g}s", "%", mean_interval(error.mean(axis=1)))
 
 
 def _ratios(drives: Sequence[dict[str, Any]]) -> Iterator[StudyRow]:

@@ -50,8 +50,7 @@ class Told:
 def right(car: Car) -> Told:
     """car: as its maker knows it."""
     tyres = {"pressure": EXPECTED, "pressure_std": EXPECTED_STD}
-    calibrations = {name: dict(document) for name, document in identified().items()}
-    calibrations["vertical_pressure"]["tyres"] = tyres
+    calibrations = {name: dict(document) | {"tyres": tyres} for name, document in identified().items()}
     return Told(car, calibrations, _quarters(car, {}))
 
 
@@ -68,14 +67,15 @@ def wrong(car: Car, seed: int) -> Told:
     told_car = dataclasses.replace(car, **{name: getattr(car, name) * by for name, by in by_car.items()})
     by_axle = {axle: factors(CORNER_FIELDS) for axle in AXLES}
     sound = right(car)
-    calibrations = {name: _off(document, by_axle) for name, document in sound.calibrations.items()}
+    wheelbase = float(rng.uniform(1.0 - TOLD_ERROR, 1.0 + TOLD_ERROR))
+    calibrations = {name: _off(document, by_axle, wheelbase) for name, document in sound.calibrations.items()}
     by_quarter = {axle: factors(("sprung_mass", "unsprung_mass", *QUARTER_FIELDS)) for axle in AXLES}
     return Told(told_car, calibrations, _quarters(car, by_quarter))
 
 
-def _off(document: Mapping[str, Any], by_axle: Mapping[str, Mapping[str, float]]) -> dict[str, Any]:
-    """A calibration whose axles' numbers are multiplied."""
-    found = dict(document)
+def _off(document: Mapping[str, Any], by_axle: Mapping[str, Mapping[str, float]], wheelbase: float) -> dict[str, Any]:
+    """A calibration whose axles' numbers and wheelbase, if it has one, are multiplied."""
+    found = {name: value * wheelbase if name == "wheelbase" else value for name, value in document.items()}
     for axle, by in by_axle.items():
         if isinstance(document.get(axle), Mapping):
             found[axle] = {name: value * by.get(name, 1.0) for name, value in document[axle].items()}

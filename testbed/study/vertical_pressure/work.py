@@ -9,12 +9,16 @@ true one; `classes`: probability of class D at the times, mean of the wheels; `c
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from estimators.car import GRAVITY
 from estimators.drive_log import WHEELS
+from estimators.quarter_car.quarter_car import quarter_masses
+from estimators.quarter_car.tyre_law import TyreLaw
 from testbed.scenario import SENSOR_STEP, Scenario
 from testbed.study.study import Row, Task, run_seed
 from testbed.study.vertical_pressure.fit import fit
@@ -49,9 +53,15 @@ def moments_of(task: Task) -> list[float]:
     return [t for t in SCORED if t <= duration + 1e-9]
 
 
+def _rows(heard: Heard, times: Sequence[float]) -> NDArray[np.int64]:
+    """Places of moments [s] on the sensors' grid."""
+    at = np.rint(np.array(times) / SENSOR_STEP).astype(np.int64)
+    return np.minimum(at, len(heard.pressure)) - 1
+
+
 def _found(task: Task, heard: Heard) -> dict[str, Any]:
     times = moments_of(task)
-    row = np.minimum(np.rint(np.array(times) / SENSOR_STEP).astype(int), len(heard.pressure)) - 1
+    row = _rows(heard, times)
     found: dict[str, Any] = {"time_s": times, "truth": _listed(KPA * heard.pressure[row]), "by": {}, "classes": {}}
     for place, told in zip(("right", "wrong"), range(len(heard.told)), strict=False):
         by, classes = _words(task, heard, told, times)
@@ -101,8 +111,15 @@ def said(heard: Heard, told: int, estimator: str, quantity: str):
 
 
 def _difference(heard: Heard, told: int, times: list[float]) -> dict[str, Any]:
-    """ln k_front / k_rear of the left and right side as `axles` says it, and the law's at the true pressures."""
-    found = {}
+    """ln k_front / k_rear of the left and right side as `axles` says it, and by the maker's law at the true
+    pressures."""
+    car, row = heard.told[0].car, _rows(heard, times)
+    loads = [sum(quarter_masses(car, wheel)) * GRAVITY for wheel in WHEELS]
+    true = [
+        np.log(TyreLaw.of(car).stiffness_at(heard.pressure[row, w], heard.scenario.speed, load))
+        for w, load in enumerate(loads)
+    ]
+    found = {"truth": _listed(np.stack([true[0] - true[2], true[1] - true[3]], axis=1))}
     for ending in ("", "/std"):
         signals = [heard.said[told].get(f"est/axles/{side}/difference{ending}") for side in ("left", "right")]
         columns = [np.full(len(times), np.nan) if s is None else last_said(s.time, s.value, times) for s in signals]
@@ -124,7 +141,7 @@ def _listed(table: NDArray[np.float64]) -> Any:
 def _course(task: Task, heard: Heard) -> dict[str, Any]:
     """Of the front left wheel, every FINE seconds, for a figure."""
     times = [FINE * k for k in range(1, int(heard.scenario.duration / FINE) + 1)]
-    row = np.minimum(np.rint(np.array(times) / SENSOR_STEP).astype(int), len(heard.pressure)) - 1
+    row = _rows(heard, times)
     course: dict[str, Any] = {"time_s": times, "truth": _listed(KPA * heard.pressure[row, 0]), "methods": {}}
     for name in ESTIMATORS:
         value, std = said(heard, 0, name, "pressure")
