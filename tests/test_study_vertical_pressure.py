@@ -159,7 +159,8 @@ def test_small_form_runs_to_a_table_and_figures(rows) -> None:
     assert 18.0 < table["bound.rmse_kpa_2s"].here < 28.9  # less than the prior
     assert table["table3.front_A_c_s"].paper == 6576.0
     assert 2000.0 < table["table3.front_A_c_s"].here < 4000.0  # the car's damper: 2.4 and 3.6 kN s/m
-    assert {"figure-5-fit", "figure-6-errors", "figure-9-a-to-d"} <= set(study.figures(rows))
+    assert {"figure-5-fit", "figure-9-a-to-d"} == set(study.figures(rows))
+    assert "figure-6-errors" in study.figures([*rows, *rows])
     assert json.loads(rows[0]["found"])["truth"][0] == pytest.approx(
         [1e-3 * p for p in json.loads(rows[0]["task"])["scenario"]["pressures"].values()], rel=0.01
     )

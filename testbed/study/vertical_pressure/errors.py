@@ -21,7 +21,7 @@ from testbed.study.vertical_pressure.tasks import nearest_class
 from testbed.study.vertical_pressure.told import CLASSES
 
 METHODS = (*PUBLISHED, "bank", "axles")
-BEST = ("bank", "axles")
+BEST, BOUNDS = ("bank", "axles"), {"axles": "axles_bound"}
 MOMENTS = (2.0, 10.0, 60.0)
 MOST_BIAS, MOST_OVER_BOUND = 3.0, 1.3  # kPa, -
 MOST_DIFFERENCE = {2.0: 2.5, 10.0: 1.2}  # % of ln k_front / k_rear
@@ -61,11 +61,9 @@ def error_and_std(
     return np.array(error).reshape(-1, 4), np.array(std).reshape(-1, 4)
 
 
-def bound_of(drives: Sequence[dict[str, Any]], seconds: float) -> Interval | None:
-    """Root mean square of the drives' bounds [kPa]."""
-    found = [
-        np.mean(np.square(d["bound"][at(d, seconds)])) for d in drives if "bound" in d and at(d, seconds) is not None
-    ]
+def bound_of(drives: Sequence[dict[str, Any]], seconds: float, name: str = "bound") -> Interval | None:
+    """Root mean square of the drives' bounds of that name."""
+    found = [np.mean(np.square(d[name][place])) for d in drives if name in d and (place := at(d, seconds)) is not None]
     return positive_mean_interval(np.array(found)).mapped(math.sqrt) if found else None
 
 
@@ -106,7 +104,7 @@ def _accuracy(drives: Sequence[dict[str, Any]], method: str) -> Iterator[StudyRo
             error, std = error_and_std(own, method, seconds, knowledge)
             if not len(error):
                 continue
-            bound = bound_of(own, seconds)
+            bound = bound_of(own, seconds, BOUNDS.get(method, "bound"))
             name = f"{method}.rmse_kpa_{seconds:g}s{ending}"
             yield StudyRow.of(name, "kPa", rmse(error), limit=None if bound is None else bound.value)
             yield StudyRow.of(
@@ -132,11 +130,12 @@ def _bias(drives: Sequence[dict[str, Any]], method: str) -> Iterator[StudyRow]:
 
 
 def _bounds(drives: Sequence[dict[str, Any]]) -> Iterator[StudyRow]:
-    for ending, kinds, _ in TABLES[:2]:
-        for seconds in MOMENTS:
-            bound = bound_of(of_kind(drives, *kinds), seconds)
-            if bound is not None:
-                yield StudyRow.of(f"bound.rmse_kpa_{seconds:g}s{ending}", "kPa", bound)
+    for name in ("bound", "axles_bound"):
+        for ending, kinds, _ in TABLES[:2]:
+            for seconds in MOMENTS:
+                bound = bound_of(of_kind(drives, *kinds), seconds, name)
+                if bound is not None:
+                    yield StudyRow.of(f"{name}.rmse_kpa_{seconds:g}s{ending}", "kPa", bound)
 
 
 def difference_error(drives: Sequence[dict[str, Any]], seconds: float) -> NDArray[np.float64]:
@@ -156,23 +155,24 @@ def _difference(drives: Sequence[dict[str, Any]]) -> Iterator[StudyRow]:
         if len(error):
             limit = MOST_DIFFERENCE.get(seconds)
             yield StudyRow.of(f"axles.difference_rmse_pct_{seconds:g}s", "%", rmse(error), limit=limit)
+            bound = bound_of(own, seconds, "difference_bound")
+            if bound is not None:
+                yield StudyRow.of(f"axles_bound.difference_rmse_pct_{seconds:g}s", "%", bound, scale=100.0)
             yield StudyRow.of(f"axles.difference_bias_pct_{seconds:g}s", "%", mean_interval(error.mean(axis=1)))
 
 
 def _ratios(drives: Sequence[dict[str, Any]]) -> Iterator[StudyRow]:
-    """RMSE over bound of all drives that know rightly, where the bar is."""
+    """RMSE over bound and NEES of all drives that know rightly."""
     own = of_kind(drives, "classes", "levels", "short")
     for method in BEST:
         for seconds in MOMENTS:
-            error, _ = error_and_std(own, method, seconds)
-            bound = bound_of([d for d in own if at(d, seconds) is not None], seconds)
-            if len(error) and bound is not None:
-                ratio = _over(rmse(error), bound.value)
-                yield StudyRow.of(
-                    f"{method}.rmse_over_bound_{seconds:g}s", "-", ratio,
-                    limit=MOST_OVER_BOUND if (method, seconds) == ("bank", 10.0) else None,
-                )  # fmt: skip
-                if method == "bank":
-                    _, std = error_and_std(own, method, seconds)
-                    nees = positive_mean_interval(np.mean((error / std) ** 2, axis=1))
-                    yield StudyRow.of(f"bank.nees_{seconds:g}s_all", "-", nees, limit=1.0)
+            error, std = error_and_std(own, method, seconds)
+            bound = bound_of([d for d in own if at(d, seconds) is not None], seconds, BOUNDS.get(method, "bound"))
+            if not len(error) or bound is None:
+                continue
+            limit = MOST_OVER_BOUND if seconds == 10.0 else None
+            yield StudyRow.of(
+                f"{method}.rmse_over_bound_{seconds:g}s", "-", _over(rmse(error), bound.value), limit=limit
+            )
+            nees = positive_mean_interval(np.mean((error / std) ** 2, axis=1))
+            yield StudyRow.of(f"{method}.nees_{seconds:g}s_all", "-", nees, limit=1.0)

@@ -32,7 +32,7 @@ def figures(drives: Sequence[dict[str, Any]]) -> dict[str, Figure]:
     for drive in of_kind(drives, "fit"):
         drawn["figure-5-fit"] = _fit(drive)
     scored = [d for d in drives if d["task"]["kind"] != "fit"]
-    if of_kind(scored, "classes"):
+    if len(of_kind(scored, "classes")) > 1:
         drawn["figure-6-errors"] = _errors(of_kind(scored, "classes"))
     names = {"A": "figure-7-class-a", "D": "figure-8-class-d"}
     for drive in of_kind(scored, "show"):
@@ -93,8 +93,7 @@ def _errors(drives: Sequence[dict[str, Any]]) -> Figure:
         reach = float(min(max(np.max(spread), np.max(said), np.abs(mean).max()) * 1.2, HIGHEST_SHOWN))
         axes.set(title=method, ylabel="error [kPa]", ylim=(-reach, reach))
         axes.set_xscale("log")
-    if figure.axes[0].get_lines():
-        figure.axes[0].legend(fontsize="small")
+    figure.axes[0].legend(fontsize="small")
     figure.supxlabel("time [s]")
     return figure
 

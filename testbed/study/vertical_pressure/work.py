@@ -3,7 +3,8 @@
 A row's `found` is JSON text: `time_s`; `truth` [kPa], (times, wheels); `by`: for "right" and "wrong" knowledge, method
 by method, `kpa` and `std`, (times, wheels), null before the first word; `bound` [kPa], (times, wheels); where there is
 an estimator of both axles, `difference`: ln k_front / k_rear of the left and the right side with its std, beside the
-true one; `classes`: probability of class D at the times, mean of the wheels; `course` for a figure.
+true one, `axles_bound` [kPa] and `difference_bound`; `classes`: probability of class D at the times, mean of the
+wheels; `course` for a figure.
 """
 
 from __future__ import annotations
@@ -23,6 +24,7 @@ from testbed.scenario import SENSOR_STEP, Scenario
 from testbed.study.study import Row, Task, run_seed
 from testbed.study.vertical_pressure.fit import fit
 from testbed.study.vertical_pressure.limits import bounds
+from testbed.study.vertical_pressure.limits_of_axles import bounds_of_axles
 from testbed.study.vertical_pressure.listening import ESTIMATORS, Heard, drive, last_said
 from testbed.study.vertical_pressure.published import METHODS as PUBLISHED
 from testbed.study.vertical_pressure.published import Words, words_of
@@ -72,6 +74,9 @@ def _found(task: Task, heard: Heard) -> dict[str, Any]:
             found.setdefault("difference", {})[place] = _difference(heard, told, times)
     if task["spectrum"] is not None and task["kind"] in ("classes", "levels", "short"):
         found["bound"] = _listed(KPA * bounds(heard, task["spectrum"], times))
+        of_axles = bounds_of_axles(heard, task["spectrum"], times) if "axles" in ESTIMATORS else None
+        if of_axles is not None:
+            found["axles_bound"], found["difference_bound"] = _listed(KPA * of_axles[0]), _listed(of_axles[1])
     if task["number"] == 0 and task["kind"] in WITH_COURSE:
         found["course"] = _course(task, heard)
     return found
