@@ -24,14 +24,17 @@ def delayed(past, place, wheelbase, out):
     where the rear is now, NaN where it is not known."""
     first = _KEPT - _BLOCK
     at = 0
+    while at < first and not np.isfinite(place[at]):
+        at += 1
+    begun = at
     for t in range(_BLOCK):
         wanted = place[first + t] - wheelbase
         out[t] = np.nan
-        if not (place[0] <= wanted):  # also for NaN
+        if not (place[begun] <= wanted):  # also for NaN
             continue
         while at < _KEPT - 1 and not place[at + 1] > wanted:
             at += 1
-        if at < 1 or at > _KEPT - 3:
+        if at <= begun or at > _KEPT - 3:
             continue
         u = (wanted - place[at]) / (place[at + 1] - place[at])
         out[t] = (

@@ -27,7 +27,7 @@ NOISE = 2.0 * SENSOR_STD**2 / 1000.0  # N [(m/s^2)^2/Hz]: the sensor's density
 # front, with 20 mm nothing is gained); coherence: a factor 1.3 in a second
 WANDER = np.array([1e-3, 1e-3, 0.15, 8e-3, *[0.3] * BANDS])  # std after 1 s
 LEVEL_STD, SHIFT_STD = 3.0, 0.02  # at the start; m: rolling radius 0.7 % off
-OPEN_ROAD, OPEN_STD, BACK = np.log(0.012), 1.0, 0.1  # nu: mean, std, 1/s
+OPEN_ROAD, OPEN_STD, BACK = np.log(0.015), 1.5, 0.02  # nu: mean, std, 1/s
 LOWEST_LOSS, HIGHEST_LOSS = np.log(5e-4), np.log(0.98)  # of nu
 LEAST_G, MOST_G = np.log(1e-9), np.log(1.0)
 _STATES, _BINS, _LOSS, _LOW, _HIGH = STATES, BINS, LOSS, LOWEST_LOSS, HIGHEST_LOSS
