@@ -46,7 +46,7 @@ def test_delay_is_silent_until_the_rear_wheel_is_there_and_where_the_front_was_n
     gone[100:110] = np.nan
     delay.block(gone, np.full(BLOCK, 20.0))
     heard = delay.block(np.ones(BLOCK), np.full(BLOCK, 20.0))
-    assert np.isfinite(heard[:240 - BLOCK - 4]).all()
+    assert np.isfinite(heard[: 240 - BLOCK - 4]).all()
     second = FrontDelay(WHEELBASE)
     assert np.isnan(second.block(np.ones(BLOCK), np.full(BLOCK, np.nan))).all()
 

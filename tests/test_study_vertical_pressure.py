@@ -13,14 +13,17 @@ import pytest
 
 from estimators.car import AXLES, Car
 from estimators.drive_log import WHEELS
+from estimators.quarter_car.bound import Setting, relative_stiffness_std
 from testbed.scenario import Scenario
 from testbed.study.study import StudyRow
 from testbed.study.vertical_pressure import changes, errors
+from testbed.study.vertical_pressure.limits import linear_quarter
 from testbed.study.vertical_pressure.listening import drive, last_said
 from testbed.study.vertical_pressure.published import words_of
 from testbed.study.vertical_pressure.tasks import EACH, LEVELS, SPEEDS, nearest_class, tasks
 from testbed.study.vertical_pressure.told import CAR_FIELDS, HIGHEST, LAW_ERROR, LOWEST, TOLD_ERROR, right, wrong
 from testbed.study.vertical_pressure.vertical_pressure import VerticalPressureStudy
+from testbed.study.vertical_pressure.waviness import settled, unknown_waviness_std, waviness_of
 from testbed.study.vertical_pressure.work import FINE, work
 
 ROAD = Path("road.txt")
@@ -139,6 +142,26 @@ def test_delays_are_those_of_the_courses() -> None:
     assert table["bank.mode_switch_delay_s"].here == pytest.approx(2.3, abs=0.11)  # half a second's mean passes a half
     assert table["bank.mass_24pct_shift_pct"].here == pytest.approx(3.0)
     assert table["bank.mass_8pct_shift_pct"].here == pytest.approx(1.0)
+
+
+def test_a_road_steeper_than_believed_reads_as_a_softer_tyre_and_a_believed_one_as_it_is() -> None:
+    """A tenth of waviness is 5 % of stiffness. Not knowing it costs information."""
+    place = math.log(226e3), math.log(4e-6)
+    assert settled(*place, 2.0) == pytest.approx(place[0], abs=1e-3)
+    assert settled(*place, 1.9) - place[0] > 0.04
+    assert settled(*place, 2.1) - place[0] < -0.04
+    bound = Setting(linear_quarter("front"), 226e3, 4e-6, 60.0 / 3.6)
+    assert unknown_waviness_std(*place, 10.0, math.inf) > 1.3 * relative_stiffness_std(bound, 10.0)
+
+
+def test_waviness_of_a_profile_is_the_one_it_was_made_with(tmp_path: Path) -> None:
+    rng, spacing, n = np.random.default_rng(2), 0.25, 1 << 14
+    wave = np.fft.rfftfreq(n, spacing)
+    noise = rng.standard_normal(len(wave)) + 1j * rng.standard_normal(len(wave))
+    z = np.fft.irfft(noise * np.where(wave > 0.01, np.maximum(wave, 0.01) ** -1.25, 0.0), n)
+    file = tmp_path / "road.txt"
+    file.write_text("".join(f"{spacing * k} {0.01 * v}\n" for k, v in enumerate(z)))
+    assert waviness_of(str(file)) == pytest.approx(2.5, abs=0.15)
 
 
 @pytest.fixture(scope="module")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -131,7 +132,7 @@ def _modes(drive: dict[str, Any], lower: str) -> Figure:
     figure = Figure(figsize=(9.0, 9.0 if lower != "error" else 6.0), layout="constrained")
     rows = figure.subplots(2 if lower == "error" else 1 + len(methods), 1, sharex=True)
     _pressure(rows[0], course)
-    rows[0].set_title(f"{drive['task']['scenario']['road']}, 60 km/h, front left"[-60:])
+    rows[0].set_title(f"{Path(drive['task']['scenario']['road']).name}, 60 km/h, front left")
     if lower == "error":
         for method, entry in course["methods"].items():
             rows[1].plot(time, _array(entry["kpa"]) - _array(course["truth"]), color=COLOURS[method], lw=1.0)

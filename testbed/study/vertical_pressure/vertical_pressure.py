@@ -15,6 +15,8 @@ Drives of the multibody car on roads, seeds and levels that no identification sa
     METHOD.nees_10s                    mean squared error in reported variances: 1
     bank.rmse_over_bound_10s, bank.nees_10s_all    over all drives that know rightly, short ones too
     changes, load, measured road       see `changes`; Table 3: `identified_rows`
+    waviness_X.bias_kpa                what the bank's belief in slope -2 costs on another road, see `waviness`: the
+                                       measured one falls with -2.7 and reads as a flat tyre
 
 The bank is told that pressures lie between 130 and 230 kPa, by mean and std; the published filters begin at a draw of
 std 30 kN/m, 43 kPa, about the truth, as published. Their numbers for what the paper does not state (P_0, Q) are
@@ -29,7 +31,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from testbed.study.study import Row, Study, StudyRow, Task
-from testbed.study.vertical_pressure import changes, errors, identified_rows
+from testbed.study.vertical_pressure import changes, errors, identified_rows, waviness
 from testbed.study.vertical_pressure.tasks import tasks
 from testbed.study.vertical_pressure.work import work
 
@@ -55,7 +57,7 @@ class VerticalPressureStudy(Study):
     def table(self, rows: Sequence[Row]) -> list[StudyRow]:
         drives = errors.decoded(rows)
         scored = [drive for drive in drives if drive["task"]["kind"] != "fit"]
-        return [*errors.table(scored), *changes.table(scored), *identified_rows.table()]
+        return [*errors.table(scored), *changes.table(scored), *waviness.table(), *identified_rows.table()]
 
     def figures(self, rows: Sequence[Row]) -> Mapping[str, Figure]:
         from testbed.study.vertical_pressure.figures import figures  # matplotlib, only where something is drawn

@@ -28,6 +28,7 @@ from testbed.study.vertical_pressure.limits_of_axles import bounds_of_axles
 from testbed.study.vertical_pressure.listening import ESTIMATORS, Heard, drive, last_said
 from testbed.study.vertical_pressure.published import METHODS as PUBLISHED
 from testbed.study.vertical_pressure.published import Words, words_of
+from testbed.study.vertical_pressure.waviness import waviness_of
 
 NAMES = {"vertical_pressure": "bank", "axles": "axles"}
 SCORED = (*np.arange(0.5, 10.1, 0.5).tolist(), *np.arange(12.0, 60.1, 4.0).tolist())  # s
@@ -77,6 +78,8 @@ def _found(task: Task, heard: Heard) -> dict[str, Any]:
         of_axles = bounds_of_axles(heard, task["spectrum"], times) if "axles" in ESTIMATORS else None
         if of_axles is not None:
             found["axles_bound"], found["difference_bound"] = _listed(KPA * of_axles[0]), _listed(of_axles[1])
+    if task["kind"] == "measured":
+        found["waviness"] = waviness_of(task["scenario"]["road"])
     if task["number"] == 0 and task["kind"] in WITH_COURSE:
         found["course"] = _course(task, heard)
     return found
