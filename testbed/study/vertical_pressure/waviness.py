@@ -65,8 +65,12 @@ def unknown_waviness_std(log_stiffness: float, log_level: float, seconds: float,
     """Least std of ln k_t with level and waviness unknown, prior_std: of ln k_t."""
     f = np.linspace(0.2, 50.0, _POINTS)
     at = np.array([log_stiffness, log_level, 2.0])
-    inverse = np.linalg.inv(spectrum(*at, f))
-    slopes = [(spectrum(*(at + e), f) - spectrum(*(at - e), f)) / (2.0 * _STEP) for e in _STEP * np.eye(3)]
+
+    def of(place: NDArray[np.float64]) -> NDArray[np.complex128]:
+        return spectrum(float(place[0]), float(place[1]), float(place[2]), f)
+
+    inverse = np.linalg.inv(of(at))
+    slopes = [(of(at + e) - of(at - e)) / (2.0 * _STEP) for e in _STEP * np.eye(3)]
     shares = [inverse @ slope for slope in slopes]
     J = [[np.trapezoid(np.trace(p @ q, axis1=1, axis2=2).real, f) for q in shares] for p in shares]
     information = seconds * np.array(J) + np.diag([prior_std**-2.0, 0.0, 0.0])
