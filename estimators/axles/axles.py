@@ -1,10 +1,10 @@
 """Estimator `axles`: stiffness and pressure of both tyres of a side from the road that they share.
 
-The rear wheel meets the front wheel's road one wheelbase later (`delay`), so the road's level and shape, which bound what
-one wheel can tell (`quarter_car.bound`), fall out of the comparison of the two: ln k_f - ln k_r is known to 2 % after 2 s
-and below 1 % after 10 s, and each stiffness better than alone (`bound`). How much the two have in common is measured
-(`likelihood`: nu) and, off the straight line, known (`off_tracking`): where nothing is common, the standard deviations
-are those of two single wheels. Estimates every `SAY` blocks (half a second):
+The rear wheel meets the front wheel's road one wheelbase later (`delay`), so the road's level and shape, which bound
+what one wheel can tell (`quarter_car.bound`), fall out of the comparison of the two: ln k_f - ln k_r is known to 2 %
+after 2 s and to 1 % after 10 s (`bound`). How much the two have in common is measured (`likelihood`: nu) and, off the
+straight line, known (`off_tracking`): where nothing is common, the standard deviations are those of two single wheels.
+Estimates every `SAY` blocks (half a second):
 
     WHEEL/stiffness       at the mean static load and the present speed [N/m]
     WHEEL/pressure        by the maker's tyre law, taken for exact [Pa]
@@ -100,11 +100,8 @@ class Axles(Estimator):
         sides without an alarm; None without identified axles."""
         if self._identified is None:
             return None
-        learnt = {
-            name: [watch.reference, watch.std]
-            for name, watch in zip(SIDES, self._watches, strict=True)
-            if watch.reference is not None and not watch.alarmed
-        }
+        known = {name: watch.learnt for name, watch in zip(SIDES, self._watches, strict=True)}
+        learnt = {name: list(pair) for name, pair in known.items() if pair is not None}
         return to_document(self._identified) | ({SOUND: learnt} if learnt else {})
 
     def update(self, samples: Mapping[str, Signal], until: float) -> Outputs:

@@ -1,7 +1,7 @@
 """What two hub accelerometers of one side can tell, when their wheels share the road: the Cramer-Rao bound.
 
-As `quarter_car.bound` (Whittle), for the spectral matrix S of the aligned hubs (`likelihood`) and a = (ln k_f, ln k_r, ln
-G, delta), the coherency c known:
+As `quarter_car.bound` (Whittle), for the spectral matrix S of the aligned hubs (`likelihood`) and a = (ln k_f, ln k_r,
+ln G, delta), the coherency c known:
 
     J_ij = T integral over f of tr(S^-1 dS/da_i S^-1 dS/da_j)
 
@@ -65,8 +65,8 @@ class SharedRoad:
 
 
 def covariance(road: SharedRoad, seconds: float, stiffness_std: float = np.inf) -> NDArray[np.float64]:
-    """Least covariance of (ln k_f, ln k_r) after that time, (2, 2); level and delta unknown. stiffness_std: prior std of
-    each ln k."""
+    """Least covariance of (ln k_f, ln k_r) after that time, (2, 2); level and delta unknown. stiffness_std: prior std
+    of each ln k."""
     prior = np.diag([stiffness_std**-2.0, stiffness_std**-2.0, 0.0, 0.0])
     return np.asarray(np.linalg.inv(seconds * road.information + prior)[:2, :2])
 

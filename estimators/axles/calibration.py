@@ -9,8 +9,8 @@ The identified document has besides `front`, `rear` (fields of `Quarter` without
 `wheelbase` what is left of a car that is no such model, over w tau, tau = wheelbase / v, and over the mean m of ln k of
 both axles above `REFERENCE`, for each bin of `block`:
 
-    ln |H_f| and ln |H_r|  +=  l_0 + l_1 cos w tau + l_2 sin w tau + l_3 m          `level` (4, BINS)
-    ln H_r                 +=  e_0 + e_1 cos w tau + e_2 sin w tau + e_3 m          `ratio_real`, `ratio_imag` (4, BINS)
+    ln |H_f| and ln |H_r|  +=  u . l        `level` (6, BINS)                 u = (1, cos w tau, sin w tau,
+    ln H_r                 +=  u . e        `ratio_real`, `ratio_imag`             m, m cos w tau, m sin w tau)
 
 and what no driving removes: `stiffness_std` of each ln k, `difference_std` of ln k_f - ln k_r.
 """
@@ -19,7 +19,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -33,7 +32,7 @@ from estimators.vertical_pressure.chain import Quarter
 from estimators.vertical_pressure.corner import HUB_ERROR, SOFTER
 
 REFERENCE = 250e3  # N/m, where m = 0
-ROWS = 4  # of the tables
+ROWS = 6  # of the tables
 ROLL_GYRATION = 0.39  # of the track: SUVs in NHTSA's inertia tables lie at 0.38 to 0.42
 MAKER_STD, MAKER_DIFFERENCE_STD = 0.06, 0.04  # Declared: a drawing's masses, springs and inertias
 QUARTER_FIELDS = tuple(name for name in Quarter._fields if name != "hub_error")
@@ -43,7 +42,7 @@ _NUMBERS = ("coupling", "wheelbase", "stiffness_std", "difference_std")
 
 @dataclass(frozen=True, eq=False)
 class Identified:
-    """level, ratio: see above, (4, BINS) each."""
+    """level, ratio: see above, (6, BINS) each."""
 
     axles: Axles
     level: NDArray[np.float64]
@@ -53,14 +52,16 @@ class Identified:
 
     def shape(self, speed: float) -> NDArray[np.complex128]:
         """Factors on H_f and H_r at a speed [m/s] and m = 0, (2, BINS)."""
-        turn = comb(speed, self.axles.wheelbase)
-        common = np.sum(turn * self.level[:3], axis=0)
-        return np.exp(np.stack([common + 0j, common + np.sum(turn * self.ratio[:3], axis=0)]))
+        return np.exp(self._logarithm(speed, slice(0, 3)))
 
-    @cached_property
-    def bend(self) -> NDArray[np.complex128]:
+    def bend(self, speed: float) -> NDArray[np.complex128]:
         """What is added to ln H_f and ln H_r for m = 1, (2, BINS)."""
-        return np.stack([self.level[3] + 0j, self.level[3] + self.ratio[3]])
+        return self._logarithm(speed, slice(3, 6))
+
+    def _logarithm(self, speed: float, rows: slice) -> NDArray[np.complex128]:
+        turn = comb(speed, self.axles.wheelbase)
+        common = np.sum(turn * self.level[rows], axis=0) + 0j
+        return np.stack([common, common + np.sum(turn * self.ratio[rows], axis=0)])
 
 
 def comb(speed: float, wheelbase: float) -> NDArray[np.float64]:

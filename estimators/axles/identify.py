@@ -1,15 +1,15 @@
 """Both axles' parameters and tables from drives at known pressures: maximum Whittle likelihood.
 
-Ljung, System Identification, 2nd ed., ch. 7.4, in the frequency domain: each drive's mean spectral matrix S_d (BINS, 2, 2)
-of aligned blocks is compared with the model of `likelihood` at known stiffnesses,
+Ljung, System Identification, 2nd ed., ch. 7.4, in the frequency domain: each drive's mean spectral matrix S_d (BINS, 2,
+2) of aligned blocks is compared with the model of `likelihood` at known stiffnesses,
 
     cost = mean over drives and bins of tr(S^-1 S_d) + ln det S
 
 with the coherence that was measured, the drive's own road level, and its own shift delta (rolling radius changes with
 pressure). In turns: the parameters of `SEARCHED` of both axles and the coupling, within bounds about the maker's; each
-drive's delta from the slope of the phase; last the tables of `calibration`, bin by bin by least squares, which take what
-is left over w tau and stiffness, the same at every road level: measured, a car's H do not depend on it. The footprint's
-growth for softer tyres is searched too: pressures of 130 to 250 kPa tell it.
+drive's delta from the slope of the phase; last the tables of `calibration`, bin by bin by least squares, which take
+what is left over w tau and stiffness, the same at every road level: measured, a car's H do not depend on it. The
+footprint's growth for softer tyres is searched too: pressures of 130 to 250 kPa tell it.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from scipy.optimize import minimize
 
 from estimators.axles.block import BINS, FREQUENCIES, HOP, WINDOW, spectrum
-from estimators.axles.calibration import REFERENCE, Identified, comb
+from estimators.axles.calibration import REFERENCE, ROWS, Identified, comb
 from estimators.axles.response import Axles, hub_responses
 from estimators.axles.side import NOISE
 from estimators.compiled import compiled
@@ -93,7 +93,7 @@ class _Fit:
         powers = [np.sqrt((road.matrix[:, 0, 0] * road.matrix[:, 1, 1]).real) for road in roads]
         self.coherence = [np.minimum(np.abs(x) / p, _HIGHEST) for x, p in zip(cross, powers, strict=True)]
         self.basis = np.array([basis(road.stiffness, road.speed, maker.axles.wheelbase) for road in roads])
-        self.level, self.ratio = np.zeros((4, BINS)), np.zeros((4, BINS), complex)
+        self.level, self.ratio = np.zeros((ROWS, BINS)), np.zeros((ROWS, BINS), complex)
 
     def axles(self, place: NDArray[np.float64]) -> Axles:
         quarters = [
@@ -153,9 +153,9 @@ class _Fit:
 
 
 def basis(stiffness: NDArray[np.float64], speed: float, wheelbase: float) -> NDArray[np.float64]:
-    """What the tables are multiplied by, (4, BINS): `comb`, and the mean ln k of both axles over `REFERENCE`."""
-    mean = float(np.log(stiffness / REFERENCE).mean())
-    return np.vstack([comb(speed, wheelbase), np.full(BINS, mean)])
+    """What the tables are multiplied by, u of `calibration`, (ROWS, BINS)."""
+    turn = comb(speed, wheelbase)
+    return np.vstack([turn, float(np.log(stiffness / REFERENCE).mean()) * turn])
 
 
 def identify(maker: Identified, roads: Sequence[KnownRoad]) -> Identified:

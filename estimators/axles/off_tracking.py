@@ -1,10 +1,10 @@
 """How much of the road is common to both wheels of a side when the rear one does not roll in the front one's track.
 
 In a curve of curvature kappa the rear axle cuts in by l^2 kappa / 2 and slides out by its slip angle,
-`SLIP_PER_ACCELERATION` a_y, over a wheelbase l: d is at most the sum of both. Two parallel tracks d apart on an isotropic
-road of slope -2 have at wave number Omega = 2 pi f / v the coherency rho K_1(rho), rho = Omega d (Kamash & Robson, J.
-Sound Vib. 57, 1978): 1 on one track, nothing beyond some wavelengths. It is also lost when the path bends differently
-from what it did a wheelbase ago, in lane changes: the largest yaw rate of the last window counts.
+`SLIP_PER_ACCELERATION` a_y, over a wheelbase l: d is at most the sum of both. Two parallel tracks d apart on an
+isotropic road of slope -2 have at wave number Omega = 2 pi f / v the coherency rho K_1(rho), rho = Omega d (Kamash &
+Robson, J. Sound Vib. 57, 1978): 1 on one track, nothing beyond some wavelengths. It is also lost when the path bends
+differently from what it did a wheelbase ago, in lane changes: the largest yaw rate of the last window counts.
 """
 
 from __future__ import annotations

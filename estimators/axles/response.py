@@ -8,13 +8,14 @@ c_r, road height z_r under two cams a footprint l apart, centred on the wheel; a
     (c_b + c_r - w^2 m_b) z_b - c_b z_us          = c_r cos(pi f l / v) z_r
     -w^2 z_sf = F_f / m_sf + F_r / m_c            -w^2 z_sr = F_r / m_sr + F_f / m_c
 
-The body is one: a force at one wheel also moves it over the other wheel of that side, m_c. It heaves, pitches and, since
-the two tracks of a road have little in common at these frequencies, rolls (`calibration`). So each hub also feels what the
-other axle does to the body, a wheelbase earlier or later: a comb over w tau, tau = wheelbase / v, of 5 % at 10 Hz, which
-two quarter cars do not have. H = -w^2 z_us over the rear wheel's z_r, the front's moved by tau to where the rear is,
-times the root of the road's spectrum for G = 1 (`quarter_car.response`, corner of `road_shape`). A
-car that gains speed has its front wheel over the same waves at a lower frequency, by `stretch`: 3 % at 10 m/s and 1.2
-m/s^2, which unheeded looks like 6 % of stiffness. Left out: what the other track does, which is noise here and lowers the coherence.
+The body is one: a force at one wheel also moves it over the other wheel of that side, m_c. It heaves, pitches and,
+since the two tracks of a road have little in common at these frequencies, rolls (`calibration`). So each hub also feels
+what the other axle does to the body, a wheelbase earlier or later: a comb over w tau, tau = wheelbase / v, of 5 % at 10
+Hz, which two quarter cars do not have. H = -w^2 z_us over the rear wheel's z_r, the front's moved by tau to where the
+rear is, times the root of the road's spectrum for G = 1 (`quarter_car.response`, corner of `road_shape`). A car that
+gains speed has its front wheel over the same waves at a lower frequency, by `stretch`: 3 % at 10 m/s and 1.2 m/s^2,
+which unheeded looks like 6 % of stiffness. Left out: what the other track does, which is noise here and lowers the
+coherence.
 """
 
 from __future__ import annotations

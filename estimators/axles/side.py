@@ -23,8 +23,8 @@ from estimators.vertical_pressure.bank import SENSOR_STD
 
 NOISE = 2.0 * SENSOR_STD**2 / 1000.0  # N [(m/s^2)^2/Hz]: the sensor's density
 # Declared. ln k as in `vertical_pressure.posterior`; another surface within a second; 8 mm of a wheelbase in a
-# second, since driving and braking slip, and bend the hubs' bushes (tuned: with 0.5 mm a braked car seemed 6 % softer in
-# front, with 20 mm nothing is gained); coherence: a factor 1.3 in a second
+# second, since driving and braking slip, and bend the hubs' bushes (tuned: with 0.5 mm a braked car seemed 6 % softer
+# in front, with 20 mm nothing is gained); coherence: a factor 1.3 in a second
 WANDER = np.array([1e-3, 1e-3, 0.15, 8e-3, *[0.3] * BANDS])  # std after 1 s
 LEVEL_STD, SHIFT_STD = 3.0, 0.02  # at the start; m: rolling radius 0.7 % off
 OPEN_ROAD, OPEN_STD, BACK = np.log(0.015), 1.5, 0.02  # nu: mean, std, 1/s
@@ -94,10 +94,11 @@ class Side:
         return float(max(self.P[FRONT, FRONT] + self.P[REAR, REAR] - 2.0 * self.P[FRONT, REAR], 0.0))
 
     def take(self, Y: NDArray[np.complex128], speed: float, stretch: float, gamma: NDArray[np.float64]) -> Evidence:
-        """A block Y (BINS, 2) at a speed [m/s]; stretch: `response`; gamma (BINS,): `off_tracking`. What it says by itself."""
+        """A block Y (BINS, 2) at a speed [m/s]; stretch: `response`; gamma (BINS,): `off_tracking`. What it says by
+        itself."""
         known, theta, P = self._known, self.theta.copy(), self.P.copy()
         settle(
-            known.axles, self.theta, self.P, Y, speed, stretch, known.shape(speed), known.bend, gamma, NOISE, BAND, _LONGEST,
+            known.axles, self.theta, self.P, Y, speed, stretch, known.shape(speed), known.bend(speed), gamma, NOISE, BAND, _LONGEST,
             self._score, self._J,
         )  # fmt: skip
         return evidence(theta, P, self._score, self._J)
