@@ -10,8 +10,8 @@ lengths by up to 10 %), driven on days of its own (road level log-uniform from t
                           after about `BEFORE` seconds; watched for `WATCH` seconds; nothing learnt before the drive
     15_before             one tyre 15 % low from the start, with the calibration of another day; `WATCH` seconds
 
-Time to the alarm runs from the moment at which the share is lost, in the last case from the start of the drive. Row of a
-drive: `wheels`, `onset_s`, `reached_s`, `end_s`, `sound_s`, `alarms` [[time_s, [wheel]]], `largest`: the largest
+Time to the alarm runs from the moment at which the share is lost, in the last case from the start of the drive. Row of
+a drive: `wheels`, `onset_s`, `reached_s`, `end_s`, `sound_s`, `alarms` [[time_s, [wheel]]], `largest`: the largest
 statistic of each side in each `SPAN` of sound driving.
 """
 

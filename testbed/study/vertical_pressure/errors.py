@@ -30,8 +30,8 @@ TABLES = (("", ("classes",), "right"), ("_levels", ("levels",), "right"), ("_wro
 
 
 def decoded(rows: Sequence[Row]) -> list[dict[str, Any]]:
-    """Rows with their task and what was found as values."""
-    return [{"task": json.loads(row["task"]), **json.loads(row["found"])} for row in rows]
+    """Rows with their task and what was found as values; those of the alarm are not among them."""
+    return [{"task": json.loads(row["task"]), **json.loads(row["found"])} for row in rows if row.get("found")]
 
 
 def of_kind(drives: Sequence[dict[str, Any]], *kinds: str) -> list[dict[str, Any]]:

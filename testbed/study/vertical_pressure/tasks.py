@@ -12,7 +12,8 @@
     show        class A and class D (Figures 7 and 8); only in the first repetition
     fit         one drive for Figure 5; only in the first repetition
 
-Changes and what follows from them need fewer drives than errors do: every EACH-th repetition has them.
+Changes and what follows from them need fewer drives than errors do: every EACH-th repetition has them, every
+ALARM_EACH-th the drives of the alarm (`axle_alarm`).
 """
 
 from __future__ import annotations
@@ -28,13 +29,14 @@ from estimators.drive_log import WHEELS
 from estimators.quarter_car.road_shape import class_spectrum
 from testbed.scenario import Scenario
 from testbed.study.study import Task, run_seed
+from testbed.study.vertical_pressure.axle_alarm import alarm_task
 from testbed.study.vertical_pressure.told import CLASSES, HIGHEST, LOWEST
 from testbed.tyre.inflation import PressureSet
 
 SPEEDS = (40.0 / 3.6, 80.0 / 3.6)  # m/s, Table 4
 LEVELS = (0.5 * class_spectrum("A"), 2.0 * class_spectrum("D"))  # G at 1 rad/m [m^3/rad]: the limits of A and D
 LONG, SHORT = 60.0, 10.6  # s; the short form ends when what was heard in 10 s has been said
-EACH = 5
+EACH, ALARM_EACH = 5, 4
 SHOWN_SPEED, SHOWN_PRESSURE = 60.0 / 3.6, 180e3
 SWITCH_AT, SWITCH_LONG = 5.0, 20.0
 DROP_AT, DROP_WITHIN, DROP_LONG = 15.0, 1.5, 60.0
@@ -59,7 +61,8 @@ def nearest_class(spectrum: float) -> str:
 
 def tasks(seed: int, number: int, small: bool, measured: Path | None) -> list[Task]:
     """Of repetition `number`; measured: file of the measured road."""
-    return list(_Repetition(seed, number, small).tasks(measured))
+    alarm = [alarm_task(seed, number, small)] if number % ALARM_EACH == 0 else []
+    return [*_Repetition(seed, number, small).tasks(measured), *alarm]
 
 
 class _Repetition:

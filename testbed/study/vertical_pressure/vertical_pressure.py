@@ -15,6 +15,7 @@ Drives of the multibody car on roads, seeds and levels that no identification sa
     METHOD.nees_10s                    mean squared error in reported variances: 1
     bank.rmse_over_bound_10s, bank.nees_10s_all    over all drives that know rightly, short ones too
     changes, load, measured road       see `changes`; Table 3: `identified_rows`
+    axles.detect_15pct_1_tyre_p95_s    one low tyre named at one false alarm in 100 h, see `axle_alarm`
     waviness_X.bias_kpa                what the bank's belief in slope -2 costs on another road, see `waviness`: the
                                        measured one falls with -2.7 and reads as a flat tyre
 
@@ -32,6 +33,7 @@ from typing import TYPE_CHECKING
 
 from testbed.study.study import Row, Study, StudyRow, Task
 from testbed.study.vertical_pressure import changes, errors, identified_rows, waviness
+from testbed.study.vertical_pressure.axle_alarm import alarm_table
 from testbed.study.vertical_pressure.tasks import tasks
 from testbed.study.vertical_pressure.work import work
 
@@ -57,7 +59,10 @@ class VerticalPressureStudy(Study):
     def table(self, rows: Sequence[Row]) -> list[StudyRow]:
         drives = errors.decoded(rows)
         scored = [drive for drive in drives if drive["task"]["kind"] != "fit"]
-        return [*errors.table(scored), *changes.table(scored), *waviness.table(), *identified_rows.table()]
+        return [
+            *errors.table(scored), *changes.table(scored), *alarm_table(rows), *waviness.table(),
+            *identified_rows.table(),
+        ]  # fmt: skip
 
     def figures(self, rows: Sequence[Row]) -> Mapping[str, Figure]:
         from testbed.study.vertical_pressure.figures import figures  # matplotlib, only where something is drawn

@@ -22,6 +22,7 @@ from estimators.quarter_car.quarter_car import quarter_masses
 from estimators.quarter_car.tyre_law import TyreLaw
 from testbed.scenario import SENSOR_STEP, Scenario
 from testbed.study.study import Row, Task, run_seed
+from testbed.study.vertical_pressure.axle_alarm import alarm_row
 from testbed.study.vertical_pressure.fit import fit
 from testbed.study.vertical_pressure.limits import bounds
 from testbed.study.vertical_pressure.limits_of_axles import bounds_of_axles
@@ -39,6 +40,8 @@ KPA = 1e-3
 
 def work(task: Task) -> Row:
     """The row of a task."""
+    if "axle_alarm" in task:
+        return alarm_row(task)
     if task["kind"] == "fit":
         return {"task": json.dumps(task), "found": json.dumps(fit(task["seed"]))}
     scenario = Scenario.from_notes(task["scenario"])
