@@ -1,9 +1,9 @@
 """python -m testbed.identify_axles [--out FILE]: both axles over one road, as `axles` starts from them.
 
-Drives at 30 to 120 km/h over roads of their own, classes A to D in turn, all tyres at 130, 180 or 250 kPa, or one axle at
-180 and the other at 250: fits `estimators.axles.identify` and writes the estimator's calibration, by default the file in
-`models/` that every drive of this car starts from. Stiffness at a known pressure is the tyre's law, as for a real car,
-not the simulator's truth. Some ten minutes.
+Drives at 30 to 120 km/h over roads of their own, classes A to D in turn, all tyres at 130, 180 or 250 kPa, or one axle
+at 180 and the other at 250: fits `estimators.axles.identify` and writes the estimator's calibration, by default the
+file in `models/` that every drive of this car starts from. Stiffness at a known pressure is the tyre's law, as for a
+real car, not the simulator's truth. Some ten minutes.
 """
 
 from __future__ import annotations
@@ -50,9 +50,6 @@ class _Listener(Axles):
 
     def _take(self, s: int, window: NDArray[np.float64], *_: object) -> None:
         self.heard[s].append(window[-SAMPLES:] if self.heard[s] else window)
-
-
-_Listener.name = ""  # type: ignore[assignment]  # no estimator of its own
 
 
 def known_roads(duration: float = DURATION, cases: int | None = None) -> Iterator[KnownRoad]:

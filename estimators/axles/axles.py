@@ -28,7 +28,6 @@ from numpy.typing import NDArray
 from estimators.axles.block import spectrum
 from estimators.axles.calibration import Identified, from_document, maker_axles, sound_from, to_document
 from estimators.axles.intake import BLOCKS, SideIntake
-from estimators.axles.likelihood import FRONT, LOSS, REAR
 from estimators.axles.motion import Motion, stretch
 from estimators.axles.off_tracking import coherency, offset
 from estimators.axles.side import Side
@@ -161,7 +160,7 @@ class Axles(Estimator):
         speed = float(np.mean([m.speed[s].mean() for m in self._motions]))
         acceleration = float(np.mean([m.acceleration for m in self._motions]))
         turn = max(abs(m.yaw_rate) for m in self._motions)
-        mean = float(side.theta[[FRONT, REAR]].mean())
+        mean = side.mean()
         gamma = coherency(offset(turn, speed, wheelbase), speed)
         alone = side.take(spectrum(window), speed, stretch(speed, acceleration, wheelbase), gamma)
         lost = watch.step(*alone.difference, acceleration, _SECONDS)
@@ -169,32 +168,29 @@ class Axles(Estimator):
             wheel = WHEELS[s if lost == FRONT_LOST else 2 + s]
             alarms.append(Alarm(time, f"low pressure {ALARM_TEXT}", (wheel,)))
         if watch.moved and not self._moved[s]:
-            side.reopen((FRONT, REAR), REOPENED)
+            side.forget(REOPENED)
         self._moved[s] = watch.moved
         common = (alone.mean[0] - mean) / np.sqrt(alone.mean[1])
         if self._commons[s].step(float(np.clip(common, -LARGEST, LARGEST))).alarm:
-            side.reopen((FRONT, REAR), REOPENED)
+            side.forget(REOPENED)
 
     def _say(self, time: float, rows: Rows) -> None:
         known, now = self._known, self._motions[-1].mean
         rolling = now if SLOWEST <= now <= FASTEST else SLOWEST
         for s, name in enumerate(SIDES):
             side = self._sides[s]
-            variance = np.diag(side.P)
-            for state in (FRONT, REAR):
-                w = 2 * state + s
-                k = float(np.exp(side.theta[state]))
-                std = k * float(np.hypot(np.sqrt(variance[state]), known.stiffness_std))
+            relative = float(np.hypot(np.sqrt(side.stiffness_variance()), known.stiffness_std))
+            for place, k in enumerate(np.exp(side.log_stiffness()).tolist()):
+                w, std = 2 * place + s, k * relative
                 rows.setdefault(f"{WHEELS[w]}/stiffness", []).append((time, k, std))
                 pressure = float(self._law.pressure_of(k, rolling, self._loads[w]))
                 pressure_std = float(self._law.pressure_std(std, rolling, self._loads[w]))
                 rows.setdefault(f"{WHEELS[w]}/pressure", []).append((time, pressure, pressure_std))
             std = float(np.hypot(np.sqrt(side.difference_variance()), known.difference_std))
-            rows.setdefault(f"{name}/difference", []).append((time, float(side.theta[FRONT] - side.theta[REAR]), std))
+            rows.setdefault(f"{name}/difference", []).append((time, side.difference(), std))
             rows.setdefault(f"{name}/statistic", []).append((time, self._watches[s].statistic, 0.0))
-            lost = np.exp(side.theta[LOSS:])
-            spread = float(np.mean(lost * np.sqrt(variance[LOSS:])))
-            rows.setdefault(f"{name}/coherence", []).append((time, float(np.mean(1.0 - lost)), min(spread, 1.0)))
+            spread = min(float(side.coherence_std().mean()), 1.0)
+            rows.setdefault(f"{name}/coherence", []).append((time, float(side.coherence().mean()), spread))
 
 
 _UNITS = {"stiffness": "N/m", "pressure": "Pa"}

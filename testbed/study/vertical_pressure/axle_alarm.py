@@ -74,7 +74,7 @@ def alarm_row(task: Task) -> Row:
         found[f"15_{manoeuvre}"] = _drive(car, lossy, (wheel,), onset, None, {})
     wheel = WHEELS[int(rng.integers(4))]
     scenario = car.day(66, WATCH, manoeuvre=ROLLING[int(rng.integers(3))])
-    low = scenario.pressures | {wheel: (1.0 - SHARE) * scenario.pressures[wheel]}
+    low = {**scenario.pressures, wheel: (1.0 - SHARE) * scenario.pressures[wheel]}
     found["15_before"] = _drive(car, dataclasses.replace(scenario, pressures=low), (wheel,), 0.0, learnt, {})
     return {"axle_alarm": json.dumps(found)}
 
