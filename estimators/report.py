@@ -1,6 +1,6 @@
 """What the estimators said of a log, as a JSON document and as tables.
 
-The document holds SI values at the end of the log; the tables turn ratios into percent and pascals into kPa. It also
+The document holds SI values at the end of the log; see `estimate_table` for the tables. It also
 holds the calibration that was learnt, which `Bank` takes back for the next drive of the same car.
 """
 
@@ -14,15 +14,14 @@ from pathlib import Path
 from typing import Any
 
 from rich.console import Console
-from rich.table import Table
 
 from estimators.car import Car
 from estimators.drive_log import DriveLog, Signal
+from estimators.estimate_table import estimate_tables
 from estimators.runner import Bank
 
 RADIUS_PAIRS = {"delta12": ("fl", "fr"), "delta34": ("rl", "rr"), "delta13": ("rl", "fl"), "delta24": ("rr", "fr")}
 Z95 = 1.959964  # standard normal quantile of a two-sided 95 % interval
-SHOWN = {"": (100.0, "%"), "Pa": (1e-3, "kPa"), "rad/s": (1.0, "rad/s")}
 
 
 def document(path: str, log: DriveLog, car: Car, bank: Bank, said: Mapping[str, Signal]) -> dict[str, Any]:
@@ -96,13 +95,10 @@ def print_report(console: Console, result: Mapping[str, Any]) -> None:
         if method["missing_signals"]:
             console.print(f"{name}: unavailable, no {', '.join(method['missing_signals'])}", highlight=False)
             continue
-        table = Table(title=f"{name}, at the end of {Path(result['log']).name}")
-        for heading, justify in (("estimate", "left"), ("value", "right"), ("std", "right"), ("unit", "left")):
-            table.add_column(heading, justify=justify)  # type: ignore[arg-type]
-        for quantity, entry in method["estimates"].items():
-            scale, unit = SHOWN.get(entry["unit"], (1.0, entry["unit"]))
-            table.add_row(quantity, f"{entry['value'] * scale:+.4g}", f"{entry['std'] * scale:.2g}", unit)
-        console.print(table if method["estimates"] else f"{name}: nothing estimated")
+        for table in estimate_tables({name: method["estimates"]}, f"at the end of {Path(result['log']).name}"):
+            console.print(table)
+        if not method["estimates"]:
+            console.print(f"{name}: nothing estimated")
         for row in result["rows"] if name == "wheel_radius" else ():
             low, high = (1e3 * end for end in row["ci95"])
             console.print(

@@ -6,11 +6,10 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from rich import box
 from rich.console import Console
-from rich.table import Table
 
 from estimators.drive_log import WHEELS, Signal
+from estimators.estimate_table import estimate_tables, wheel_table
 from testbed.simulation import Stretch
 from testbed.tyre.vertical import VerticalLaw, mean_stiffness
 
@@ -23,8 +22,6 @@ MEANS = (
     ("mean_speed_rad_s", "rim_speed", 1.0),
 )
 KELVIN = 273.15
-# SI unit -> unit of the table, factor
-TABLE_UNITS = {"Pa": ("kPa", 1e-3), "N/m": ("kN/m", 1e-3), "m": ("mm", 1e3), "": ("1e-3", 1e3)}
 
 
 class Summary:
@@ -101,7 +98,7 @@ def _finite(value: float | None) -> float | None:
 def print_summary(console: Console, result: Mapping[str, Any]) -> None:
     """The table of a drive."""
     title = f"{result['road']}, {result['distance_m']:.0f} m in {result['sim_s']:.0f} s"
-    table = _wheel_table(title)
+    table = wheel_table(title)
     rows = (
         ("true pressure (kPa)", "pressure_kpa", "{:.1f}"),
         ("  at the end", "final_pressure_kpa", "{:.1f}"),
@@ -116,8 +113,8 @@ def print_summary(console: Console, result: Mapping[str, Any]) -> None:
         values = (result["wheels"][w][name] * scale.get(name, 1.0) for w in WHEELS)
         table.add_row(label, *(form.format(v) for v in values))
     console.print(table)
-    _print_wheel_estimates(console, result["estimates"])
-    _print_estimates(console, result["estimates"])
+    for estimates in estimate_tables(_by_method(result["estimates"]), "at the end"):
+        console.print(estimates)
     for flag in result["flags"]:
         console.print(f"[dim]{flag['time_s']:.1f} s  {flag['method']}: {flag['text']}[/]")
     for alarm in result["alarms"]:
@@ -126,56 +123,10 @@ def print_summary(console: Console, result: Mapping[str, Any]) -> None:
         console.print("no alarms")
 
 
-def _wheel_of(name: str) -> str | None:
-    """The wheel of `est/METHOD/WHEEL/quantity`."""
-    parts = name.split("/")
-    return parts[2] if len(parts) == 4 and parts[2] in WHEELS else None
-
-
-def _shown(entry: Mapping[str, Any]) -> str:
-    scale = TABLE_UNITS.get(entry["unit"], (entry["unit"], 1.0))[1]
-    if entry["value"] is None:
-        return "-"
-    text = f"{entry['value'] * scale:.2f}"
-    return text if entry["std"] is None else f"{text}\u00b1{entry['std'] * scale:.2g}"
-
-
-def _wheel_table(title: str) -> Table:
-    """A column a wheel."""
-    table = Table(title=title, box=box.SIMPLE_HEAD)
-    table.add_column("", overflow="fold")
-    for wheel in WHEELS:
-        table.add_column(wheel, justify="right")
-    return table
-
-
-def _print_wheel_estimates(console: Console, estimates: Mapping[str, Mapping[str, Any]]) -> None:
-    """What is estimated wheel by wheel."""
-    rows: dict[tuple[str, str], dict[str, Mapping[str, Any]]] = {}
+def _by_method(estimates: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
+    """`est/METHOD/quantity` -> method -> quantity."""
+    methods: dict[str, dict[str, Any]] = {}
     for name, entry in estimates.items():
-        wheel = _wheel_of(name)
-        if wheel:
-            _, method, _, quantity = name.split("/")
-            rows.setdefault((method, quantity), {})[wheel] = entry
-    if not rows:
-        return
-    table = _wheel_table("wheel by wheel, at the end")
-    for (method, quantity), entries in rows.items():
-        unit = next(iter(entries.values()))["unit"]
-        label = f"{method} {quantity.replace('_', ' ')} ({TABLE_UNITS.get(unit, (unit, 1.0))[0]})"
-        table.add_row(label, *(_shown(entries[w]) if w in entries else "-" for w in WHEELS))
-    console.print(table)
-
-
-def _print_estimates(console: Console, estimates: Mapping[str, Mapping[str, Any]]) -> None:
-    """What is estimated of the car as a whole."""
-    rest = {name: entry for name, entry in estimates.items() if not _wheel_of(name)}
-    if not rest:
-        return
-    table = Table(title="whole car, at the end", box=box.SIMPLE_HEAD)
-    for heading, justify in (("estimate", "left"), ("value", "right"), ("std", "right"), ("unit", "left")):
-        table.add_column(heading, justify=justify)  # type: ignore[arg-type]
-    for name, entry in rest.items():
-        value, std = ("-" if entry[key] is None else f"{entry[key]:.4g}" for key in ("value", "std"))
-        table.add_row(name.removeprefix("est/"), value, std, entry["unit"] or "-")
-    console.print(table)
+        _, method, quantity = name.split("/", 2)
+        methods.setdefault(method, {})[quantity] = entry
+    return methods

@@ -108,6 +108,23 @@ def test_score_is_the_slope_of_the_log_likelihood_and_information_its_covariance
         assert told[i] == pytest.approx(-(cost(theta + step, Y) - cost(theta - step, Y)) / 2e-5, rel=2e-3, abs=1e-3)
 
 
+def test_information_of_a_block_is_the_bound_s_own_at_its_bins() -> None:
+    """Compiled, term by term, against matrices and differences in numpy."""
+    theta = np.array([*np.log(STIFFNESS), np.log(LEVEL_B), 0.0, *np.full(STATES - LOSS, np.log(0.05))])
+    H, slope = np.empty((2, BINS), complex), np.empty((2, 2, BINS), complex)
+    score, J, flat = np.empty(STATES), np.empty((STATES, STATES)), np.zeros((2, BINS), complex)
+    expect(COUPLED, theta, SPEED, 1.0, flat + 1.0, flat, H, slope)
+    score_block(flat.T.copy(), H, slope, theta, SPEED, ONES, NOISE, BAND, score, J)
+    road = SharedRoad(COUPLED, STIFFNESS, LEVEL_B, SPEED, 0.95)
+    inverse = np.linalg.inv(road.matrix(np.zeros(4), FREQUENCIES))
+    shares = []
+    for step in 1e-4 * np.eye(4):
+        shares.append(inverse @ (road.matrix(step, FREQUENCIES) - road.matrix(-step, FREQUENCIES)) / 2e-4)
+    wanted = SHARE * np.array([[np.trace(p @ q, axis1=1, axis2=2).real.sum() for q in shares] for p in shares])
+    scale = np.sqrt(np.diag(wanted))
+    assert J[:4, :4] / np.outer(scale, scale) == pytest.approx(wanted / np.outer(scale, scale), abs=1e-4)
+
+
 def test_bound_is_the_quarter_car_s_without_a_shared_road_and_the_known_figures_with_it() -> None:
     """Difference after 2 s for coherency 0.9, 0.98, 0.999: 2.7, 1.2, 0.3 %; 10.8 kPa a tyre after 10 s for 0.99."""
     twin = Axles(POINT, POINT, 0.0, WHEELBASE)

@@ -190,8 +190,8 @@ def test_ten_minutes_of_standstill_cost_confidence_and_raise_nothing() -> None:
 
 @pytest.mark.parametrize("signed", [True, False], ids=["signed speeds", "unsigned speeds"])
 def test_reversing_is_not_read(signed: bool) -> None:
-    """Two minutes backwards at 12 km/h in a curve: edges and unsigned speeds look like driving forwards."""
-    end, omega, yaw = ONSET, 9.0, 0.15
+    """After a stop two minutes backwards at 12 km/h in a curve: edges, unsigned speeds look like driving forwards."""
+    end, omega, yaw = ONSET + 5.0, 9.0, 0.15
     time = end + np.arange(0.01, 120.0, 0.01)
     edges = end + np.arange(1.0, 120.0 * omega * 48 / (2.0 * np.pi)) * 2.0 * np.pi / (48 * omega)
     log = before_loss(lossy())

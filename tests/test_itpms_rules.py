@@ -6,12 +6,13 @@ import math
 
 import numpy as np
 import pytest
+from scipy import stats
 
 from estimators.itpms.alarm import PATIENCE, AlarmRule
 from estimators.itpms.patterns import Judgement
 from estimators.itpms.thresholds import FALSE_ALARMS_PER_HOUR, SPAN, TUNED, threshold_of
 from estimators.itpms.voting import Thresholds, Vote, warning
-from testbed.study.itpms_fusion.bound import ARL0, detection_bound, information
+from testbed.study.itpms_fusion.bound import ARL0, detection_bound, found_by_level, information
 
 
 def _judgement(statistic: float, pattern: tuple[int, ...], certainty: float = 1.0, lost: float = 0.15) -> Judgement:
@@ -73,9 +74,29 @@ def test_threshold_has_its_rate_on_a_statistic_of_known_tail() -> None:
 
 
 def test_bound_is_the_time_to_gather_the_threshold() -> None:
-    speed = np.concatenate([np.full(10, 20.0), np.zeros(10), np.full(100, 20.0)])
-    rate = 0.5 * information(np.array([20.0]), 1, 0.15)[0]
-    waited = detection_bound(speed, 10.0, 1, 0.15)
+    speed = np.concatenate([np.full(10, 20.0), np.zeros(10), np.full(300, 20.0)])
+    rate = 0.5 * information(np.array([20.0]), 1, np.array([0.15]))[0]
+    waited = detection_bound(speed, 10.0, 0.0, 1, 0.15)
     assert waited == pytest.approx(10.0 + math.log(ARL0) / rate)
-    assert detection_bound(speed, 10.0, 4, 0.15) == pytest.approx(10.0 + math.log(ARL0) / rate / 4.0)
-    assert detection_bound(np.zeros(50), 0.0, 4, 0.15) is None
+    assert detection_bound(speed, 10.0, 0.0, 4, 0.15) == pytest.approx(10.0 + math.log(ARL0) / rate / 4.0)
+    assert detection_bound(np.zeros(50), 0.0, 0.0, 4, 0.15) is None
+
+
+def test_bound_of_a_leak_gathers_while_it_leaks() -> None:
+    """Slowly enough it is known before the share is lost; the same leak ten times faster later than at once."""
+    speed = np.full(600, 20.0)
+    assert detection_bound(speed, 100.0, 120.0, 4, 0.15) == 0.0
+    sudden, leak = (detection_bound(speed, 100.0, within, 1, 0.10) for within in (0.0, 6.0))
+    assert sudden is not None
+    assert leak is not None
+    assert sudden - 6.0 < leak < sudden
+
+
+def test_equal_losses_are_the_harder_to_know_the_farther_from_what_was_learnt() -> None:
+    shares = [found_by_level(0.2, 20.0, driven) for driven in (20.0, 25.0, 30.0, 36.0)]
+    assert shares == sorted(shares, reverse=True)
+    assert shares[0] > 0.99
+    common = math.hypot(0.007, 0.5 * 0.0035)  # at the speed learnt, 20 m/s: the day alone
+    z = 0.334 * -math.log(0.8) / common - math.sqrt(2.0 * TUNED.alone["fused"])
+    assert shares[0] == pytest.approx(stats.norm.cdf(z), abs=1e-3)
+    assert found_by_level(1e-6, 20.0, 20.0) < 1e-5

@@ -11,10 +11,11 @@ from scipy.signal import welch
 from estimators.vibration.modes import ANTIPHASE
 from estimators.wheel_speed.resampling import RATE, droop
 from testbed.study.itpms_vibration.bound import frequency_bound
-from testbed.study.itpms_vibration.drives import CELLS, KNOWN, RATIOS, known_process
+from testbed.study.itpms_vibration.drives import CELLS, KNOWN, RATIOS, known_process, made_up_wheel
 from testbed.study.itpms_vibration.itpms_vibration import ItpmsVibrationStudy
 from testbed.study.itpms_vibration.linearised import mode_at
-from testbed.study.itpms_vibration.listening import METHODS, timer_noise
+from testbed.study.itpms_vibration.listening import METHODS, timer_noise, words
+from testbed.study.itpms_vibration.rows_of_scatter import median_of_worst
 
 OMEGA = 60.0
 PARAMETERS = [math.log(86.0), math.log(0.07), -14.0, -0.6, 3.5, -17.0, -24.0]
@@ -67,12 +68,29 @@ def test_figures_of_a_method_are_those_of_the_rows(table, method):
 def test_figures_of_the_drives_are_those_of_the_rows(table):
     assert table["vibration_std_over_bound"].limit == 1.5
     assert table["vibration_bias_hz"].limit == 0.1
+    assert table["vibration_std_over_bound_worst_by_chance"].here == pytest.approx(SCATTER["vibration"], rel=0.1)
     assert table["vibration_std_over_reported"].here == pytest.approx(1.0, rel=0.1)
     assert table["signal_to_timing_noise_1_us_antiphase_A_60_km_h"].here == pytest.approx(10.0)
     assert table["signal_to_timing_noise_5_us_antiphase_A_60_km_h"].here == pytest.approx(0.4)
     assert table["bound_60_s_antiphase_A_60_km_h"].here == pytest.approx(BOUND)
     linear = np.mean([mode_at(80.0, 1.0)[axle]["antiphase"][0] for axle in ("front", "rear")])
     assert table["vibration_minus_linearised_hz_antiphase"].here == pytest.approx(86.5 - linear)
+
+
+def test_worst_of_like_cells_is_what_chance_makes_it():
+    """Against 20 000 draws of eleven cells; and the study's row from its pooled figure."""
+    squares = np.random.default_rng(3).chisquare(28, (20_000, 11)) / 28.0
+    assert median_of_worst([28] * 11) == pytest.approx(np.sqrt(np.median(squares.max(axis=1))), rel=0.01)
+    assert median_of_worst([10_000_000]) == pytest.approx(1.0, abs=1e-3)
+
+
+def test_added_noise_and_its_opposite_cancel_what_they_share_with_the_drive():
+    """A known process of 30 s: the mean of a noise added and taken off scatters less than half as much as either."""
+    signal = known_process("antiphase", KNOWN["antiphase"][2][1], 30.0, 5)
+    heard = made_up_wheel(80.0 / 3.6 / 0.36 + signal)
+    noises = [0.3 * np.std(signal) * np.random.default_rng(k).standard_normal(len(signal)) for k in range(6)]
+    said = np.array([[words(heard, 0.36, ANTIPHASE, sign * n)["vibration"] for sign in (1.0, -1.0)] for n in noises])
+    assert np.std(said.mean(axis=1)) < 0.5 * np.std(said[:, 0])
 
 
 def test_a_wheel_that_was_not_heard_counts_as_not_separated(table):

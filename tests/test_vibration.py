@@ -26,7 +26,7 @@ from estimators.vibration.spectral_fit import FREQUENCY, SIZE, density, fit
 from estimators.vibration.vibration import Vibration
 from estimators.vibration.wheel_vibration import WheelVibration
 from estimators.wheel_speed.edge_speed import TEETH, Samples
-from estimators.wheel_speed.resampling import RATE
+from estimators.wheel_speed.resampling import RATE, droop
 from testbed.study.itpms_vibration.bound import frequency_bound
 from testbed.study.itpms_vibration.drives import known_process
 from tests.synthetic_drive import tooth_edges
@@ -141,14 +141,15 @@ def test_slopes_of_the_density_are_its_derivatives():
     f = np.arange(58.0, 119.0)
     p = np.array([math.log(86.0), math.log(0.07), -8.0, -1.0, 3.0, -11.0, -22.0])
     within = np.where(f < 110.0, 1.0, 0.0)
+    white = droop(f, 470.0) ** -2.0
 
     def ln_density(q):
         total = np.empty(len(f))
-        density(q, 87.0, f, within, np.empty(len(f)), total, np.empty((len(f), SIZE)))
+        density(q, 87.0, f, within, white, np.empty(len(f)), total, np.empty((len(f), SIZE)))
         return np.log(total)
 
     slopes = np.empty((len(f), SIZE))
-    density(p, 87.0, f, within, np.empty(len(f)), np.empty(len(f)), slopes)
+    density(p, 87.0, f, within, white, np.empty(len(f)), np.empty(len(f)), slopes)
     for a in range(SIZE):
         step = np.zeros(SIZE)
         step[a] = 1e-5
@@ -158,11 +159,12 @@ def test_slopes_of_the_density_are_its_derivatives():
 def test_fit_of_the_exact_spectrum_finds_its_parameters():
     f = np.concatenate([np.arange(58.0, 119.0), np.arange(135.0, 166.0)])
     within = np.where(f < 120.0, 1.0, 0.0)
+    white = droop(f, 470.0) ** -2.0
     true = np.array([math.log(79.0), math.log(0.08), -8.0, 1.0, 2.0, -12.0, -21.5])
     power, information = np.empty(len(f)), np.empty((SIZE, SIZE))
-    density(true, 87.0, f, within, np.empty(len(f)), power, np.empty((len(f), SIZE)))
+    density(true, 87.0, f, within, white, np.empty(len(f)), power, np.empty((len(f), SIZE)))
     p = np.array([math.log(87.0), math.log(0.075), -7.0, 0.0, 0.0, -10.0, -20.0])
-    fit(p, 87.0, f, within, power, np.full(len(f), 1e4), p.copy(), np.full(SIZE, 1e-6), information)
+    fit(p, 87.0, f, within, white, power, np.full(len(f), 1e4), p.copy(), np.full(SIZE, 1e-6), information)
     assert p == pytest.approx(true, abs=1e-2)
     assert abs(math.exp(p[FREQUENCY]) - 79.0) < 1e-3
 

@@ -7,6 +7,7 @@ import pytest
 
 from testbed.course import PAIRS
 from testbed.study.wheel_radius.drives import LOW, OFF, TEST_RUNS, task
+from testbed.study.wheel_radius.sound_drives import SoundCar, driven_cells, told
 from testbed.study.wheel_radius.wheel_radius import NEAR, PAPER_TIME, WheelRadiusStudy
 
 DURATION, ONSET = 440.0, 220.0
@@ -109,3 +110,13 @@ def test_test_runs_are_the_papers_five():
     late = drives["rear left low after 220 s"]["pressure_sets"]["rl"]
     assert (late["pressure"], late["start"]) == (LOW, ONSET)
     assert len({drive["seed"] for drive in drives.values()}) == 1
+
+
+def test_a_sound_drive_is_kept_as_the_estimators_cells_and_is_the_same_again():
+    car = SoundCar(1, 0)
+    scenario = car.day(0, duration=3.0)
+    cells = driven_cells(scenario)
+    assert len(cells.index) == 30
+    assert np.isfinite(cells.value[10:-1]).all()
+    assert SoundCar(1, 0).day(0, duration=3.0) == scenario != SoundCar(1, 1).day(0, duration=3.0)
+    assert 0.9 < told(scenario, car).rear_track / 1.6364 < 1.1

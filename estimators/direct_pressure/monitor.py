@@ -182,7 +182,8 @@ def _alarm(m, x, gain, total, gauge):
     if n[noise.WARM] > 0.0:
         return NOTHING
     bank.take(m.bank, x)
-    onsets.take(m.onsets, int(s[KNOWN]), x, gain, total)
+    likely = total - noise.variance(n) + noise.likely(n)  # an alarm is on the safe side, a rate has no such side
+    onsets.take(m.onsets, int(s[KNOWN]), x * (total / likely) ** 0.5, gain, likely)
     s[EXCESS] = 0.0
     column, share = thresholds.place(n[noise.INTERVAL])
     for i in range(len(SHIFTS)):

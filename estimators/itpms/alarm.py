@@ -13,11 +13,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from estimators.drive_log import WHEELS
-from estimators.itpms.patterns import Judgement
+from estimators.itpms.patterns import LEAST_LOSS, Judgement
 
-LEAST_LOSS = 0.06  # of the pressure
-CERTAIN = 0.98
-PATIENCE = 4  # blocks
+CERTAIN = 0.999
+PATIENCE = 8  # blocks
 
 
 @dataclass(frozen=True)

@@ -12,6 +12,7 @@ by speed (`speed_bins`), judged by the likelihood of the 16 patterns of low tyre
     WHEEL/vibration_flag, WHEEL/radius_flag     1 once the source alone has alarmed for that wheel
     WHEEL/voting_flag        1 once the voting scheme has warned
     vibration_confidence, radius_confidence     c_1, c_2 of the voting scheme [nats]
+    agreed_confidence        their mean where both analyses mean the same tyres, else 0 [nats]
 
 After a reset (no calibration given, or `relearn`) it learns for LEARNING blocks and gives no alarm. A change of all
 four pressures with the weather is a change of pressure and shows; an equal loss in all four is seen by vibration alone.
@@ -34,13 +35,15 @@ from estimators.grid import LATENCY, REPEAT, Grid
 from estimators.itpms.alarm import AlarmRule, Named
 from estimators.itpms.contrasts import Contrasts
 from estimators.itpms.frequency_blocks import DELAY, EDGES, FrequencyBlocks
+from estimators.itpms.learning import LearningBlock, learn
 from estimators.itpms.mode_grid import BLOCK
 from estimators.itpms.monitor import SOURCES, Block, Monitor
 from estimators.itpms.patterns import Judgement
-from estimators.itpms.speed_bins import Calibration, LearningBlock, learn
+from estimators.itpms.speed_bins import Calibration
 from estimators.itpms.summary import summary
 from estimators.itpms.thresholds import TUNED
-from estimators.itpms.voting import Vote, warning
+from estimators.itpms.voting import Vote, agreed, warning
+from estimators.itpms.warming import Warming
 from estimators.wheel_radius.motion import CHANNELS, MotionTracker
 
 CELL = 0.1  # s
@@ -65,6 +68,7 @@ class Itpms(Estimator):
         self._cells: list[tuple[int, float, NDArray[np.float64]]] = []
         self._second: int | None = None
         self._heard = False
+        self._warming = Warming(BLOCK)
         self._raised: dict[str, float] = {}
         self._teeth: dict[str, Any] = {}
         self.relearn()
@@ -133,13 +137,13 @@ class Itpms(Estimator):
         if self._calibration is None:
             self._learn(block, time, flags)
         judgements = {source: monitor.step(block) for source, monitor in self._monitors.items()}
-        read = bool(np.isfinite(block.frequency[..., 0]).any() or np.isfinite(block.radius.value).any())
+        read = bool(np.isfinite(block.frequency[..., 0]).any() or len(block.radius.value) > 0)
         self._unread = 0.0 if read else self._unread + BLOCK
         for source, rule in self._rules.items():
             named = rule.step(judgements.get(source))
             if named is not None and source == "fused":
                 alarms.append(Alarm(time, self._text(named), named.wheels))
-        self._heard |= math.isfinite(block.speed) or bool(np.isfinite(block.radius.value).any())
+        self._heard |= math.isfinite(block.speed) or len(block.radius.value) > 0
         if self._heard:
             rows.append((time, self._said(judgements)))
 
@@ -151,7 +155,7 @@ class Itpms(Estimator):
         speed = radius.speed
         if math.isnan(speed) and np.isfinite(self._frequencies.omega).any():
             speed = float(np.nanmean(self._frequencies.omega)) * self.car.rolling_radius
-        return Block(number, frequency, radius, speed)
+        return Block(number, frequency, radius, speed, self._warming.step(number, speed))
 
     def _learn(self, block: Block, time: float, flags: list[Flag]) -> None:
         row = block.as_learning()
@@ -170,6 +174,7 @@ class Itpms(Estimator):
         said: dict[str, tuple[float, float]] = {}
         votes = {source: Vote.of(judgements.get(source)) for source in SOURCES[:2]}
         self._voted |= set(warning(votes["vibration"], votes["radius"], TUNED.voting))
+        said["agreed_confidence"] = (agreed(votes["vibration"], votes["radius"]), 0.0)
         for w, wheel in enumerate(WHEELS):
             said[f"{wheel}/pressure_change"] = (float(np.expm1(change[w])), float(std[w]))
             said[f"{wheel}/low_probability"] = (float(low[w]), float(np.sqrt(low[w] * (1.0 - low[w]))))

@@ -14,7 +14,9 @@ known of the road widens the result and does not bias it. With the periodogram P
 Result: mean and std of ln f0 as a likelihood, that is with the grid's own spread taken out (1/v = 1/v_post - 1/v_grid).
 A block that hardly narrows the grid says nothing: NaN. Sources: Whittle 1953; the two-mode model of a wheel on its
 tyre, Zegelaar 1998. The antiphase mode (rim against belt, some 85 Hz) follows the sidewall's torsion and little else;
-the in-phase mode (some 40 Hz), damped by slip more the faster the car, is what is left at low speed.
+the in-phase mode (some 40 Hz), damped by slip more the faster the car, is what is left at low speed. Below 47 km/h the
+contact patch, as long as the wave, cuts the antiphase peak's upper side; templates that fall as steeply still tell its
+frequency down to 40 km/h, less well and lower than it is, as a calibration at these speeds learns.
 """
 
 from __future__ import annotations
@@ -36,7 +38,7 @@ LEAST_BINS = 0.5  # of the band
 @dataclass(frozen=True)
 class Band:
     """low, high: of the band; f0: least and largest natural frequency and the step of its grid [Hz]; damping, slope,
-    bend, noise: the grid's other axes; slowest, fastest: speeds between which it is read [m/s] (see
+    bend, noise: the grid's other axes; slowest, fastest: speeds between which it is read [m/s] (compare
     `estimators.vibration.modes`)."""
 
     name: str
@@ -57,10 +59,10 @@ ANTIPHASE = Band(
     114.0,
     (62.0, 104.0, 0.75),
     (0.055, 0.075, 0.1),
-    (-5, -1, 3),
+    (-9, -5, -1, 3),
     (-2, 3, 8),
     (0, 0.1, 0.5),
-    13.0,
+    11.0,
     np.inf,
 )
 IN_PHASE = Band(

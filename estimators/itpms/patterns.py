@@ -6,11 +6,14 @@ V = SPREAD^2 1 1' + ALIKE^2 I. Integrated over d, with u = V^-1 TYPICAL, K = C +
 
     ln L(m) = (B + u)' K^-1 (B + u) / 2 - u' V u / 2 - ln det(V K) / 2
 
-The prior of a pattern: each further low tyre costs FURTHER, but all four lose as often as one.
+A gain, or a loss smaller than LEAST_LOSS, is nothing to warn of: of d's normal distributions before and after the data
+only the part counts in which the mean of the low tyres' d is below ln(1 - LEAST_LOSS), so ln L(m) has the ratio of the
+two parts added. The prior of a pattern: each further low tyre costs FURTHER, but all four lose as often as one.
 """
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,6 +22,8 @@ from numpy.typing import NDArray
 from estimators.compiled import compiled
 
 TYPICAL, SPREAD, ALIKE = -0.18, 0.08, 0.015  # ln pressure: 16 % less, give or take 7, alike to 1.5
+LEAST_LOSS = 0.06  # of the pressure
+LEAST = math.log1p(-LEAST_LOSS)
 FURTHER = 1.0
 WIDE = 0.25  # ln pressure
 PATTERNS = np.array([[bool(code >> wheel & 1) for wheel in range(4)] for code in range(1, 16)])
@@ -117,4 +122,20 @@ def _pattern(score, information, pattern):
         at[wheels[i]] = a[i, size]
         spread[wheels[i]] = a[i, size + 1 + i]
         value += 0.5 * a[i, size] * (score[wheels[i]] + offset)
+    mean, variance = 0.0, 0.0
+    for i in range(size):
+        mean += a[i, size] / size
+        for j in range(size):
+            variance += a[i, size + 1 + j] / size**2
+    before = SPREAD * SPREAD + ALIKE * ALIKE / size
+    value += _log_below(mean, variance) - _log_below(TYPICAL, before)
     return value, at, spread
+
+
+@compiled
+def _log_below(mean, variance):
+    """ln P(d < LEAST) of a normal d."""
+    z = (LEAST - mean) / np.sqrt(variance)
+    if z > -6.0:
+        return math.log(0.5 * math.erfc(-z / math.sqrt(2.0)))
+    return -0.5 * z * z - math.log(-z * math.sqrt(2.0 * math.pi)) - 1.0 / (z * z)

@@ -2,18 +2,19 @@
 
 State, in which a sound car differs from its calibration (all random walks)
 
-    0-3     ln antiphase frequency of each wheel        day's temperature, load, camber, road
-    4-7     ln in-phase frequency of each wheel
-    8-10    radius contrasts: left-right, front-rear, diagonal    day's radii, payload
-    11      offset of the gyro [rad/s]        12  slip per normalised traction of the driven axle [-]
-    13, 14  what the path's curvature adds to left-right and diagonal [m]: tracks that are not as told
-    15      half the difference of slip per traction, left less right [-]
+    0-31    ln antiphase frequency of each wheel at 8 nodes of speed    what was not learnt; day's temperature, road
+    32-51   ln in-phase frequency of each wheel at 5 nodes
+    52-54   radius contrasts: left-right, front-rear, diagonal    day's radii, payload
+    55      offset of the gyro [rad/s]        56  slip per normalised traction of the driven axle [-]
+    57, 58  what the path's curvature adds to left-right and diagonal [m]: tracks that are not as told
+    59      half the difference of slip per traction, left less right [-]
+    60      how much more the tyres warm than `warming` says [-]
 
 One scalar measurement y with row h and variance R updates mean x and covariance P as usual, with a Huber weight. A loss
 d [ln pressure], shape (4,), that has come to the share s of its size adds g s d to the measurement. It moves the
 innovation by phi d,
 
-    phi = g s - h M,     M <- M + K phi          M: what the loss has pulled the state along so far, shape (16, 4)
+    phi = g s - h M,     M <- M + K phi          M: what the loss has pulled the state along so far, shape (61, 4)
 
 so each onset carries M and the sums B = sum phi nu / S, C = sum phi phi' / S, from which the likelihood ratio of any
 loss d is B d - d C d / 2 [Willsky & Jones, IEEE Trans. Autom. Control 21 (1976) 108]. Two kinds of onset begin with
@@ -27,16 +28,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimators.compiled import compiled
+from estimators.itpms.mode_nodes import MODE_NODES
 
-STATES = 16
-ANTIPHASE, IN_PHASE, CONTRAST, GYRO, SLIP, BEND_LEFT_RIGHT, BEND_DIAGONAL, SLIP_DIFFERENCE = 0, 4, 8, 11, 12, 13, 14, 15
+FREQUENCY = (0, 4 * MODE_NODES[0].count)  # of the two modes, wheel by wheel, node by node
+CONTRAST = FREQUENCY[1] + 4 * MODE_NODES[1].count
+GYRO, SLIP, BEND_LEFT_RIGHT, BEND_DIAGONAL, SLIP_DIFFERENCE, WARMTH, STATES = range(CONTRAST + 3, CONTRAST + 10)
 ONSETS = (32, 16)  # sudden, leaks
 LEAK = 120.0  # s
 HUBER = 3.0
 
 
 class SoundCar:
-    """mean (16,), covariance (16, 16); onsets: block numbers, rise: s over which each loss comes, shape (n,); score
+    """mean (61,), covariance (61, 61); onsets: block numbers, rise: s over which each loss comes, shape (n,); score
     (n, 4), information (n, 4, 4)."""
 
     def __init__(self, covariance: NDArray[np.float64], mean: NDArray[np.float64] | None = None) -> None:
@@ -58,7 +61,7 @@ class SoundCar:
         return self._information[: len(self.onsets)]
 
     def begin(self, block: int, seconds: float, walk: NDArray[np.float64], likeliest: int | None) -> int | None:
-        """A block begins: the state may have moved (walk: covariance, (16, 16)) and a loss may begin with it. seconds:
+        """A block begins: the state may have moved (walk: covariance, (61, 61)) and a loss may begin with it. seconds:
         of a block. likeliest: place of the onset that is best at present, which is kept; returns its place now."""
         self.covariance += walk
         for rise, most in zip((0.0, LEAK), ONSETS, strict=True):
@@ -88,7 +91,7 @@ class SoundCar:
     def take(
         self, row: NDArray[np.float64], loss: NDArray[np.float64], value: float, variance: float
     ) -> tuple[float, float]:
-        """One measurement: row h (16,), loss g (4,), value, variance R. Returns innovation and its explained
+        """One measurement: row h (61,), loss g (4,), value, variance R. Returns innovation and its explained
         variance h P h'."""
         return absorb(
             self.mean, self.covariance, self._pulled, self._score, self._information, self._share,
@@ -100,31 +103,32 @@ class SoundCar:
 def absorb(mean, covariance, pulled, score, information, share, row, loss, value, variance):
     """See `SoundCar.take`; all arrays but share, row and loss are written."""
     n = mean.size
+    used = np.flatnonzero(row)
     gain = np.zeros(n)
     innovation, explained = value, 0.0
-    for i in range(n):
-        innovation -= row[i] * mean[i]
-        for j in range(n):
-            gain[i] += covariance[i, j] * row[j]
-    for i in range(n):
-        explained += row[i] * gain[i]
+    for j in used:
+        innovation -= row[j] * mean[j]
+        for i in range(n):
+            gain[i] += covariance[j, i] * row[j]
+    for j in used:
+        explained += row[j] * gain[j]
     total = explained + variance
     total = explained + variance * max(1.0, abs(innovation) / (HUBER * np.sqrt(total)))
     phi = np.empty(4)
     for c in range(share.size):
         for w in range(4):
             phi[w] = loss[w] * share[c]
-            for i in range(n):
-                phi[w] -= row[i] * pulled[c, i, w]
+            for j in used:
+                phi[w] -= row[j] * pulled[c, j, w]
         for w in range(4):
             score[c, w] += phi[w] * innovation / total
             for v in range(4):
                 information[c, w, v] += phi[w] * phi[v] / total
-            for i in range(n):
+        for i in range(n):
+            for w in range(4):
                 pulled[c, i, w] += gain[i] * phi[w] / total
     for i in range(n):
         mean[i] += gain[i] * innovation / total
-    for i in range(n):
-        for j in range(n):
-            covariance[i, j] -= gain[i] * gain[j] / total
+        for k in range(n):
+            covariance[i, k] -= gain[i] * gain[k] / total
     return innovation, explained

@@ -7,7 +7,7 @@ c_i. Here t_i is the likeliest pattern of the analysis once its statistic passes
     t_1 != t_2             a warning for t_1 if c_1 > h_1, for t_2 if c_2 > h_2
     none                   no warning
 
-with h_0 < h_1, h_2. h_1 and h_2 are the thresholds of the analyses alone, h_0 that of their mean (`thresholds`).
+with h_0 < h_1, h_2, each with a third of the scheme's false alarms (`thresholds`).
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from estimators.itpms.alarm import names
 from estimators.itpms.patterns import Judgement
 
-FLAGGED = 2.0  # nats
+FLAGGED = 0.0  # nats: some loss is likelier than none
 
 
 @dataclass(frozen=True)
@@ -48,11 +48,15 @@ class Thresholds:
             raise ValueError(f"h0 is {self.agreed:g}, valid: below h1 {self.vibration:g} and h2 {self.radius:g}")
 
 
+def agreed(vibration: Vote, radius: Vote) -> float:
+    """(c_1 + c_2) / 2 where both flags mean the same tyres, else 0 [nats]."""
+    return 0.5 * (vibration.confidence + radius.confidence) if vibration.flag == radius.flag else 0.0
+
+
 def warning(vibration: Vote, radius: Vote, h: Thresholds) -> tuple[str, ...]:
     """The wheels of the warning, none if empty."""
-    if vibration.flag and vibration.flag == radius.flag:
-        agreed = 0.5 * (vibration.confidence + radius.confidence) > h.agreed
-        return vibration.flag if agreed else ()
+    if vibration.flag == radius.flag:
+        return vibration.flag if agreed(vibration, radius) > h.agreed else ()
     first = vibration.flag if vibration.confidence > h.vibration else ()
     second = radius.flag if radius.confidence > h.radius else ()
     return tuple(sorted({*first, *second}, key=("fl", "fr", "rl", "rr").index))

@@ -93,8 +93,8 @@ def suspect(state, first):
 def follow(c, state, limits, index, cells, stuck, said):
     """limits: thresholds of both comparisons, (2, 4); index: (n,) of the cells; cells: (n, 11); stuck: (n, 4) 1 where a
     wheel's sensor is; said: (n, SAID), filled."""
-    yaw_y, yaw_h, yaw_r = np.empty(4), np.empty((4, 7)), np.empty(4)
-    force_y, force_h, force_r = np.empty(4), np.empty((4, 5)), np.empty(4)
+    yaw_y, yaw_h, yaw_r = np.empty(4), np.empty((4, 8)), np.empty(4)
+    force_y, force_h, force_r = np.empty(4), np.empty((4, 6)), np.empty(4)
     for k in range(index.size):
         if state.cells[1] >= 0 and index[k] != state.cells[1] + 1:
             forget(state.past)

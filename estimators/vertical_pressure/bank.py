@@ -64,7 +64,7 @@ class AxleBank:
     """Filters of one axle by speed. A speed is rounded to a grid of SPEED_STEP, the last one kept while it is near."""
 
     def __init__(self, quarter: Quarter) -> None:
-        self._quarter = quarter
+        self.quarter = quarter
         self._place: int | None = None
 
     def at(self, speed: float) -> tuple[NDArray, NDArray, NDArray, NDArray]:
@@ -72,7 +72,7 @@ class AxleBank:
         exact = math.log(speed) / SPEED_STEP
         if self._place is None or abs(exact - self._place) > 0.75:
             self._place = round(exact)
-        return _designed(self._quarter, self._place)
+        return _designed(self.quarter, self._place)
 
 
 def at_rest() -> NDArray[np.float64]:

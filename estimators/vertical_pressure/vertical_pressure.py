@@ -7,6 +7,7 @@ here the road is noise of unknown level, and a bank of linear filters over stiff
 
     WHEEL/stiffness    at the mean static load and the present speed [N/m]
     WHEEL/pressure     by the maker's tyre law, taken for exact [Pa]
+    WHEEL/pressure_bound  the least std of the pressure that any method could state by now (`limit`) [Pa]
     WHEEL/road_level   log4 of G(1 rad/m) over 1e-6 m^3/rad: 0 is the middle of ISO 8608 class A, 1 of B, 3 of D [-]
     road/A ... road/D  probability of each class, mean of the wheels; A and D with what lies beyond [-]
 
@@ -39,6 +40,7 @@ from estimators.vertical_pressure.corner import (
     to_document,
 )
 from estimators.vertical_pressure.intake import BLOCK, HubIntake
+from estimators.vertical_pressure.limit import Limit
 from estimators.vertical_pressure.posterior import LOG_LEVEL, LOG_STIFFNESS, Posterior, moments
 
 SAY = 2  # blocks from one estimate to the next
@@ -61,13 +63,15 @@ class _Wheel:
         """expected: mean and std of the pressure before anything was heard [Pa]."""
         self.name = name
         self.load = sum(quarter_masses(car, name)) * GRAVITY
-        self.intake, self.posterior = HubIntake(), Posterior(_prior(car, self.load, *expected))
+        prior = _prior(car, self.load, *expected)
+        self.intake, self.posterior = HubIntake(), Posterior(prior)
+        self.limit = Limit(prior)
         self._x = at_rest()
         self._summed: NDArray[np.float64] = np.empty(self._x.shape[:2])
 
     def step(self, value: NDArray[np.float64], bank: AxleBank, speed: float) -> None:
         """A block of 1 kHz samples; speed [m/s], NaN or out of range: only time passes."""
-        self.posterior.pass_time(BLOCK * _MS)
+        self.pass_time(BLOCK * _MS)
         samples = self.intake.block(value)
         if samples is None or not SLOWEST <= speed <= FASTEST:
             self._x[:] = 0.0
@@ -79,6 +83,12 @@ class _Wheel:
             self.intake.settling -= len(samples)
             return
         self.posterior.take(self._summed, S, len(samples))
+        self.limit.hear(BLOCK * _MS, bank.quarter, float(self.posterior.stiffness() @ LOG_STIFFNESS))
+
+    def pass_time(self, seconds: float) -> None:
+        """Unheard."""
+        self.posterior.pass_time(seconds)
+        self.limit.pass_time(seconds)
 
 
 class VerticalPressure(Estimator):
@@ -152,7 +162,7 @@ class VerticalPressure(Estimator):
         for i, wheel in enumerate(self._wheels):
             if missed > 0:
                 wheel.intake.skip()
-                wheel.posterior.pass_time(missed * BLOCK * _MS)
+                wheel.pass_time(missed * BLOCK * _MS)
             wheel.step(values[:, i], self._banks[AXLES[i // 2]], speed)
 
     def _speed(self, values: NDArray[np.float64]) -> float:
@@ -173,6 +183,8 @@ class VerticalPressure(Estimator):
             mean_p, std_p = moments(believed, pressure)
             systematic = float(self._law.pressure_std(share * mean, rolling, wheel.load))
             rows.setdefault(f"{wheel.name}/pressure", []).append((time, mean_p, float(np.hypot(std_p, systematic))))
+            bound = float(self._law.pressure_std(wheel.limit.std() * mean, rolling, wheel.load))
+            rows.setdefault(f"{wheel.name}/pressure_bound", []).append((time, bound, 0.0))
             rows.setdefault(f"{wheel.name}/road_level", []).append((time, *moments(wheel.posterior.level(), _LEVEL)))
         level = np.mean([wheel.posterior.level() for wheel in self._wheels], axis=0)
         for k, name in enumerate(CLASSES):
@@ -187,7 +199,7 @@ def _prior(car: Car, load: float, mean: float, std: float) -> NDArray[np.float64
     return stiffness * np.exp(-0.5 * ((pressure - mean) / std) ** 2)
 
 
-_UNITS = {"stiffness": "N/m", "pressure": "Pa"}
+_UNITS = {"stiffness": "N/m", "pressure": "Pa", "pressure_bound": "Pa"}
 
 
 def _estimate(name: str, rows: list[tuple[float, float, float]]) -> Estimate:

@@ -60,6 +60,7 @@ class ModeFrequency:
             self.mode.frequency,
             self._f,
             self._within,
+            spectrum.white[self._lines] / np.where(seen, count, 1.0),
             power,
             EFFICIENCY * spectrum.worth * count,
             mean,
@@ -70,7 +71,8 @@ class ModeFrequency:
         if not (np.isfinite(p).all() and math.isfinite(variance) and variance > 0.0):
             return None
         at, one, both = np.array([math.exp(p[FREQUENCY])]), np.empty(1), np.empty(1)
-        density(p, self.mode.frequency, at, np.ones(1), one, both, np.empty((1, SIZE)))
+        white = np.interp(at, self._f[seen], spectrum.white[self._lines][seen] / count[seen])
+        density(p, self.mode.frequency, at, np.ones(1), white, one, both, np.empty((1, SIZE)))
         noise = max(float(both[0] - one[0]), 1e-300)
         ordinates = EFFICIENCY * spectrum.worth * spectrum.segments * 2.0 * math.exp(p[DAMPING]) * float(at[0])
         if float(one[0]) / noise * math.sqrt(max(ordinates, 0.0)) < STANDS_OUT:

@@ -32,11 +32,13 @@ _SQUARE = float(_PLACE @ _PLACE)
 
 @dataclass(frozen=True)
 class Segment:
-    """omega: mean speed [rad/s]; tooth_rate [Hz]; power: PSD at LINES [(rad/s)^2/Hz]; used: which lines count."""
+    """omega: mean speed [rad/s]; tooth_rate [Hz]; power: PSD at LINES [(rad/s)^2/Hz]; white: what samples of white
+    noise of 1 (rad/s)^2/Hz would have there; used: which lines count."""
 
     omega: float
     tooth_rate: float
     power: NDArray[np.float64]
+    white: NDArray[np.float64]
     used: NDArray[np.bool_]
 
 
@@ -56,27 +58,31 @@ def segment(speed: NDArray[np.float64], knots: float, orders: int) -> Segment | 
     used = USABLE * tooth_rate > LINES
     if orders:
         used &= ~order_lines(LINES, mean, abs(slope) * SEGMENT, orders)
-    power /= np.where(used, droop(LINES, tooth_rate), 1.0) ** 2
-    return Segment(mean, tooth_rate, power, used)
+    white = np.where(used, droop(LINES, tooth_rate), 1.0) ** -2.0
+    return Segment(mean, tooth_rate, power * white, white, used)
 
 
 class Spectrum:
-    """Sums over segments, which may fade. count: of segments by line; timing: sum of what white timing noise of 1 s^2
-    per edge puts into f^2 (rad/s)^2/Hz. What faded evenly over a long time holds up to MOST_EVEN times as many
-    independent segments as its weights come to, which is (sum of weights)^2 / sum of squares; that they may not grow
-    further lets a spectrum that only fades lose its worth."""
+    """Sums over segments, which may fade. count: of segments by line; white: sum of what white noise of the samples is
+    at each line; timing: of what white timing noise of 1 s^2 per edge puts into f^2 (rad/s)^2/Hz.
+
+    What faded evenly over a long time holds up to MOST_EVEN times as many independent segments as its weights come to,
+    which is (sum of weights)^2 / sum of squares; that they may not grow further lets a spectrum that only fades lose
+    its worth.
+    """
 
     def __init__(self) -> None:
         self.clear()
 
     def clear(self) -> None:
         """Forget everything."""
-        self.power, self.count = np.zeros(len(LINES)), np.zeros(len(LINES))
+        self.power, self.white, self.count = np.zeros((3, len(LINES)))
         self.segments, self.squares, self.omega, self.timing = 0.0, 0.0, 0.0, 0.0
 
     def add(self, one: Segment) -> None:
         """Count a segment in."""
         self.power += np.where(one.used, one.power, 0.0)
+        self.white += np.where(one.used, one.white, 0.0)
         self.count += one.used
         self.segments += 1.0
         self.squares += 1.0
@@ -91,6 +97,7 @@ class Spectrum:
     def fade(self, factor: float) -> None:
         """Let what was counted weigh less."""
         self.power *= factor
+        self.white *= factor
         self.count *= factor
         self.segments *= factor
         self.squares *= factor**2

@@ -1,6 +1,7 @@
 """Vibration of one wheel, second by second: a fading memory of its spectrum, and blocks that share nothing.
 
-The memory of each mode fades with MEMORY seconds and with changes of speed beyond the mode's span; what it says after a
+The memory of each mode keeps all that was heard until it is worth FULL segments, then fades with MEMORY seconds, as it
+does in a second in which nothing is heard, and with changes of speed beyond the mode's span; what it says after a
 second is the running estimate, and as nothing is added while the wheel stands, or the road is too smooth for the
 timer, its std grows to the prior's. A block collects BLOCK_SEGMENTS segments, is closed early when the speed leaves
 the span or it has become old, and is then forgotten: blocks' estimates are independent (but for the half second that
@@ -21,7 +22,8 @@ from estimators.vibration.spectrum import HOP, SEGMENT, Segment, Spectrum, segme
 from estimators.wheel_speed.edge_speed import Samples
 from estimators.wheel_speed.resampling import RATE
 
-MEMORY = 30.0  # s: as much as a record of 60 s holds
+MEMORY = 30.0  # s: what has always faded so is worth a record of 60 s
+FULL = 2.0 * MEMORY * RATE / HOP  # segments of that record
 BLOCK_SEGMENTS = 16  # 8.5 s
 LEAST_SEGMENTS = 6  # of a block that is closed early
 OLDEST_BLOCK = 30.0  # s
@@ -61,12 +63,20 @@ class _Listener:
         self.memory, self.block = Spectrum(), Spectrum()
         self.start: NDArray | None = None
         self.begun = 0.0
+        self.heard = False  # in the present second
+
+    def age(self) -> None:
+        """Begin another second."""
+        if not self.heard or self.memory.segments * self.memory.worth >= FULL:
+            self.memory.fade(math.exp(-1.0 / MEMORY))
+        self.heard = False
 
     def add(self, one: Segment) -> None:
         if self.memory.segments > 0.0:
             moved = abs(math.log(one.omega * self.memory.segments / self.memory.omega))
             self.memory.fade(math.exp(-0.5 * max(moved - 0.5 * self.mode.speed_span, 0.0) / self.mode.speed_span))
         self.memory.add(one)
+        self.heard = True
 
     def leaves(self, one: Segment) -> bool:
         """Whether a segment is too fast or slow for the open block."""
@@ -112,7 +122,7 @@ class WheelVibration:
             self._speed, self._first = np.empty(0), samples.first
         self._speed = np.concatenate([self._speed, samples.speed])
         for listener in self._listeners:
-            listener.memory.fade(math.exp(-1.0 / MEMORY))
+            listener.age()
         readings: list[Reading] = []
         at = -self._first % HOP
         while at + SEGMENT <= len(self._speed):

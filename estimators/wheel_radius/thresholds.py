@@ -7,7 +7,16 @@ classes A to D, 50 to 120 km/h, town, motorway, slalom, stops and constant speed
 to 0.2, payload to 300 kg, cars and seeds of their own: 2.72 by the first, 3.57 by the second (95 %: 2.2 to 32). The
 record leaves the tail open: with 20 and 15 % of the minutes in the tail instead of SHARE the second gives 4.8 and 6.5,
 and SHARE was chosen after these were seen, so the rate is designed for but not shown. Checked on 40 other drives of 20
-other cars, 2.5 h: no alarm, greatest statistic 2.0. Left out of the record: 600 kg, whose place no sensor tells.
+other cars, 2.5 h: no alarm, greatest statistic 2.0.
+
+A second record, `testbed.study.wheel_radius.sound_drives` seed 101, estimators told the car wrong by up to 10 % and
+payload to 400 kg anywhere behind the front seats, 30 drives of 8 cars, 4.7 h, says where the rate does not hold: on
+country roads, where long curves are read as a loss of one side (statistic to 5.8, in 2 of 5 drives an alarm), and after
+a driven wheel has spun on ice (friction 0.2, stop and go: both drives, to 9). Without country roads and friction 0.2,
+21 drives, 3.3 h, no alarm, greatest 3.4; `designed` calls for 4.25 there, 3.97 if the car is told rightly (27 drives,
+4.2 h), each known to a factor of four of the rate. 3.57 is kept: at 4.3 a loss of 25 % in both rear tyres, and the low
+tyre of the measured Mustang, would no longer be called within a minute. So one false alarm in 100 h is the design of
+the first record, and is missed on country roads and ice.
 """
 
 from __future__ import annotations

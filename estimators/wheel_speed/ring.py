@@ -3,7 +3,9 @@
 Every run (see `tooth_count`) numbers its teeth anew, so a pattern learnt before fits only after it has been turned to
 the right tooth. The present run learns a pattern of its own; its shift against the known one is the best of N by least
 squares, in units of the values' noise, taken once it beats the second best by SURE and fits at all. Then both are one.
-Until then the run's own pattern is used, shrunk by what of it is noise. A known pattern that fits no shift after
+Until then the run's own pattern is used. Either is shrunk by what of it is noise, order by order: what the road does to
+the wheel falls with the frequency, the ring's errors hardly, so a noise that is common to all orders would leave a
+tenth of the ring in those of the antiphase mode. A known pattern that fits no shift after
 CHANGED turns belongs to another ring and is forgotten.
 """
 
@@ -16,7 +18,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from estimators.wheel_speed.tooth_pattern import MOST_TURNS, learn_pattern, value_noise
+from estimators.wheel_speed.tooth_pattern import MOST_TURNS, learn_pattern, order_noise, value_noise
 
 SURE = 20.0  # difference of ln likelihoods; neighbouring teeth share noise, so 20 is not the e^-20 of independent ones
 FITS = 4.0  # mean square misfit per tooth, in noise variances
@@ -39,6 +41,7 @@ class Ring:
         self.pattern, self.turns, self._square = np.zeros(self.teeth), np.zeros(self.teeth), np.zeros(self.teeth)
         self._state, self._window = np.zeros(4), np.zeros(2 * self.teeth + 1)
         self._real = np.zeros(2 * self.teeth + 1)
+        self._halves = np.zeros((4, self.teeth))
         self._aligned = self._known is None
 
     def learn(self, time: NDArray, tooth: NDArray, run: NDArray) -> None:
@@ -47,7 +50,7 @@ class Ring:
         while at < len(time):
             at += learn_pattern(
                 self._state, self._window, self._real, tooth[at:], time[at:], run[at:], self.pattern, self.turns,
-                self._square,
+                self._square, self._halves,
             )  # fmt: skip
             if at < len(time):
                 number = run[at]
@@ -93,11 +96,15 @@ class Ring:
         return noise / math.sqrt(self.turns.min()) if math.isfinite(noise) else math.inf
 
     def places(self) -> NDArray[np.float64]:
-        """e [pitches] of the present run's teeth, shape (N,), shrunk by its own noise."""
-        size, std = float(np.mean(self.pattern**2)), self.std
-        if not math.isfinite(std) or size <= std**2:
+        """e [pitches] of the present run's teeth, shape (N,), each order shrunk by its own noise (Wiener)."""
+        noise = order_noise(self._halves)
+        if noise is None:
             return np.zeros(self.teeth)
-        return (1.0 - std**2 / size) * (self.pattern - self.pattern.mean())
+        noise *= self._halves[1::2].sum(axis=0).min() / self.turns.min()  # a merged pattern rests on more turns
+        amplitude = np.fft.rfft(self.pattern)
+        amplitude *= np.maximum(1.0 - noise / np.maximum(np.abs(amplitude) ** 2, 1e-300), 0.0)
+        amplitude[0] = 0.0
+        return np.fft.irfft(amplitude, self.teeth)
 
     def document(self) -> dict[str, Any] | None:
         """The pattern (JSON values), None while there is none."""

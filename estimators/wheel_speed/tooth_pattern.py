@@ -30,13 +30,14 @@ FILLED, COUNT, HEAD_TOOTH, HEAD_RUN = range(4)  # state
 
 
 @compiled
-def learn_pattern(state, window, real, tooth, time, run, pattern, turns, square):
+def learn_pattern(state, window, real, tooth, time, run, pattern, turns, square, halves):
     """Takes counted edges of one wheel, updates the pattern of the present run.
 
     state: shape (4,). window [s], real: the last 2 N + 1 edge times, and 1 where seen, 0 where filled in. tooth, run
     [-], time [s]: shape (n,). pattern [pitches], turns, square [pitches^2]: mean, number and mean square deviation of
-    the values of each tooth of the ring, shape (N,), updated; set back to zero when a run begins. Returns at which
-    edge a new run begins (it is not taken), or n.
+    the values of each tooth of the ring, shape (N,), updated; halves: mean and number of the values of even turns
+    (rows 0, 1) and of odd ones (2, 3), shape (4, N); set back to zero when a run begins. Returns at which edge a new
+    run begins (it is not taken), or n.
     """
     teeth = pattern.size
     span, half = 2 * teeth + 1, teeth // 2
@@ -71,11 +72,14 @@ def learn_pattern(state, window, real, tooth, time, run, pattern, turns, square)
             value = (0.5 * bend * second - mean) / per_tooth
             if abs(value) > WILD:
                 continue
-            n = int(tooth[i] - steps + k - teeth) % teeth
+            m = int(tooth[i] - steps + k - teeth)
+            n, half_of = m % teeth, 2 * ((m // teeth) % 2)
             turns[n] = min(turns[n] + 1.0, MOST_TURNS)
             miss = value - pattern[n]
             pattern[n] += miss / turns[n]
             square[n] += (miss * miss - square[n]) / turns[n]
+            halves[half_of + 1, n] = min(halves[half_of + 1, n] + 1.0, 0.5 * MOST_TURNS)
+            halves[half_of, n] += (value - halves[half_of, n]) / halves[half_of + 1, n]
         state[HEAD_TOOTH] = tooth[i]
         state[COUNT] += 1.0
     return tooth.size
@@ -86,3 +90,16 @@ def value_noise(turns: np.ndarray, square: np.ndarray) -> float:
     if turns.min() < 2.0:
         return math.inf
     return float(np.sqrt(np.mean(square * turns / (turns - 1.0))))
+
+
+def order_noise(halves: np.ndarray) -> np.ndarray | None:
+    """Mean square of the error of each order's amplitude |rfft| [pitches^2], shape (N/2 + 1,), in the mean of both
+    halves; None before each tooth has two turns in both. Even turns less odd ones know nothing of the ring and change
+    sign with every turn: they are the wheel's own motion at half orders, where its spectrum is as at the whole ones
+    between, each the mean of its two neighbours."""
+    if halves[1::2].min() < 2.0:
+        return None
+    teeth = halves.shape[1]
+    differing = 0.5 * (halves[0] - halves[2]) * np.exp(-1j * np.pi * np.arange(teeth) / teeth)
+    power = np.abs(np.fft.fft(differing)[: teeth // 2 + 1]) ** 2  # at orders 1/2, 3/2, ...
+    return 0.5 * (power + np.concatenate([power[:1], power[:-1]]))

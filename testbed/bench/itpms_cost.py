@@ -14,7 +14,9 @@ import numpy as np
 
 from estimators.drive_log import Signal
 from estimators.itpms.itpms import Itpms
-from estimators.itpms.speed_bins import BEND_STD, LEVEL, LEVEL_STD, NODES, SLIP, SLIP_STD, Calibration
+from estimators.itpms.learning import BEND_STD, LEVEL_STD, SLIP, SLIP_STD
+from estimators.itpms.mode_nodes import MODE_NODES, NODES
+from estimators.itpms.speed_bins import Calibration
 from estimators.runner import Bank
 from testbed.notes import known_car
 from testbed.scenario import Scenario
@@ -37,8 +39,11 @@ def itpms_cpu_share(duration: float, repetitions: int) -> float:
 
 def nominal() -> Calibration:
     """What is known of a car that was never driven."""
-    level, std = (np.repeat(column[:, None], len(NODES), axis=1) for column in (LEVEL, LEVEL_STD))
-    return Calibration(level, std, (SLIP, SLIP_STD), np.zeros(2), np.full(2, BEND_STD))
+    frequencies = [mode.everywhere(mode.expected()) for mode in MODE_NODES]
+    level = np.vstack([*frequencies, np.zeros((3, len(NODES)))])
+    nothing = tuple(np.zeros((4, mode.count, mode.count)) for mode in MODE_NODES)
+    std = np.full((3, len(NODES)), LEVEL_STD)
+    return Calibration(level, nothing, std, (SLIP, SLIP_STD), np.zeros(2), np.full(2, BEND_STD))
 
 
 def _cost(bank: Bank, stream: Sequence[Mapping[str, Signal]]) -> float:

@@ -19,9 +19,10 @@ PEAK = 5.774  # largest second derivative of smooth_step
 class DoubleLaneChange(Manoeuvre):
     name = "double-lane-change"
     about = "ISO 3888-1 proportions, every 250 m"
+    largest_lateral = LARGEST_LATERAL
 
     def plan(self, speed: float, duration: float) -> Plan:
-        need = speed * np.sqrt(PEAK * LANE / LARGEST_LATERAL)
+        need = speed * np.sqrt(PEAK * LANE / self.largest_lateral)
         out, back = max(30.0, need), max(25.0, need)
         along = np.arange(0.0, speed * (duration + 5.0) + 100.0, PATH_STEP)
         at = np.mod(along - 40.0, max(EVERY, out + back + 100.0))

@@ -129,7 +129,12 @@ def manoeuvres() -> dict[str, Manoeuvre]:
     package = importlib.import_module("testbed.manoeuvres")
     for module in pkgutil.iter_modules(package.__path__):
         importlib.import_module(f"testbed.manoeuvres.{module.name}")
-    return {kind.name: kind() for kind in sorted(Manoeuvre.__subclasses__(), key=lambda k: k.name)}
+    return {kind.name: kind() for kind in sorted(_derived(Manoeuvre.__subclasses__()), key=lambda k: k.name)}
+
+
+def _derived(kinds: Sequence[type[Manoeuvre]]) -> list[type[Manoeuvre]]:
+    """They and all that derive from them, however far."""
+    return [found for kind in kinds for found in (kind, *_derived(kind.__subclasses__()))]
 
 
 def find_manoeuvre(name: str) -> Manoeuvre:

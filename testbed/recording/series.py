@@ -6,6 +6,8 @@ safe for the colour-blind) are readable on the viewer's dark and light grounds.
 
 from __future__ import annotations
 
+import re
+
 import rerun as rr
 
 from estimators.drive_log import HIDDEN, WHEELS
@@ -13,6 +15,12 @@ from estimators.drive_log import HIDDEN, WHEELS
 WHEEL_COLOURS = {"fl": (38, 139, 210), "fr": (230, 140, 20), "rl": (20, 158, 115), "rr": (204, 84, 150)}
 _AXIS_COLOURS = ((214, 80, 70), (60, 150, 60), (70, 110, 220))
 _OTHER_COLOURS = ((120, 120, 130), (150, 105, 60), (110, 90, 180), (0, 140, 150), (180, 60, 60))
+# ISO 8608 classes A to H, smooth to rough
+_SHARE_COLOURS = (
+    (60, 150, 70), (120, 175, 60), (190, 190, 60), (230, 165, 50),
+    (225, 120, 50), (205, 80, 60), (165, 60, 90), (120, 60, 120),
+)  # fmt: skip
+_SHARE = re.compile(r"est/[^/]+/road/([A-H])")
 _MEMBERS = {"attitude": ("roll", "pitch", "yaw")}
 _TRUTH_WIDTH, _WIDTH = 1.8, 1.0  # [px]
 _PALE = 0.35  # share of grey in an estimate's colour
@@ -26,8 +34,16 @@ def wheel_of(name: str) -> str | None:
     return None
 
 
+def share_of(name: str) -> str | None:
+    """The class of `est/METHOD/road/CLASS`, a probability of several that sum to one."""
+    found = _SHARE.fullmatch(name)
+    return found[1] if found else None
+
+
 def colours(name: str, width: int) -> list[tuple[int, int, int]]:
     """One colour for each of a signal's `width` lines."""
+    if (share := share_of(name)) is not None:
+        return [_SHARE_COLOURS["ABCDEFGH".index(share)]]
     wheel = wheel_of(name)
     if wheel is not None:
         chosen = [WHEEL_COLOURS[wheel]] * width
@@ -48,12 +64,14 @@ def _pale(colour: tuple[int, int, int]) -> tuple[int, int, int]:
 def labels(name: str, unit: str, width: int) -> list[str]:
     """Legend entries: the wheel or axis first, an estimate's method (or truth), the unit: `fl truth [Pa]`,
     `fl wheel_radius [m]`."""
+    if (share := share_of(name)) is not None:
+        return [f"road {share}"]
     wheel = wheel_of(name)
     parts = [part for part in name.split("/") if part != wheel]
     what = parts[-1]
     said = "" if wheel or width > 1 else what
     if name.startswith("est/"):
-        said = " ".join(parts[1:2])
+        said = "bound" if what.endswith("_bound") else " ".join(parts[1:2] + (["std"] if what == "std" else []))
     elif wheel and name.startswith(HIDDEN):
         said = "truth"
     ending = " ".join(filter(None, (said, f"[{unit}]" if unit else "")))

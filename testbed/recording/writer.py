@@ -35,7 +35,8 @@ from estimators.readers.rrd_chunks import (
 )
 from estimators.readers.rrd_file import RecordingError, RrdFile
 from testbed.recording.blueprint import drive_layout
-from testbed.recording.series import band, lines
+from testbed.recording.series import band, lines, share_of
+from testbed.recording.stack import Stacks
 
 __all__ = ["RecordingError", "RecordingWriter"]
 
@@ -62,6 +63,7 @@ class RecordingWriter:
         self._drawn: set[str] = set()  # entities that show something in 3-D
         self._starts: dict[str, tuple[float, float, float]] = {}  # bodies that move, and where they are at first
         self._bands: dict[str, list[tuple[float, float]]] = {}  # estimate -> low and high end of each chunk's band
+        self._stacks = Stacks()
         self._file.send(lambda: first)
 
     @property
@@ -123,6 +125,8 @@ class RecordingWriter:
 
     def close(self) -> None:
         """Finish the file with its layout under its final name. Raises RecordingError if that fails."""
+        for stacked in self._stacks.rest():
+            self._draw_band(*stacked)
         kinds = {name: (unit, kind) for name, (unit, _, kind) in self._kinds.items()}
         bands = {name: _usual(np.array(ends)) for name, ends in self._bands.items() if ends}
         self._file.close(drive_layout(kinds, bands, self._reach, self._drawn, self._starts))
@@ -158,6 +162,14 @@ class RecordingWriter:
         (ticks, mean), (other, deviation) = self._estimates.pop(base), self._estimates.pop(f"{base}/std")
         if not np.array_equal(ticks, other) or mean.shape != deviation.shape or mean.dtype == object:
             return
+        if share_of(base) is None:
+            self._draw_band(base, ticks, mean, deviation)
+        else:
+            for stacked in self._stacks.add(base, ticks, mean):
+                self._draw_band(*stacked)
+
+    def _draw_band(self, base: str, ticks: NDArray[np.int64], mean: NDArray[Any], deviation: NDArray[Any]) -> None:
+        """mean and half the width of what is drawn at an estimate's band."""
         if base not in self._bands:
             self._bands[base] = []
             unit, _, kind = self._kinds[base]

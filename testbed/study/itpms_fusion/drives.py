@@ -23,8 +23,7 @@ import numpy as np
 from estimators.drive_log import WHEELS
 from models.tyre_properties import load_tyre
 from testbed.scenario import Scenario
-from testbed.study.itpms_fusion.cars import RepetitionCar
-from testbed.study.study import run_seed
+from testbed.study.itpms_fusion.cars import RepetitionCar, own_seed
 from testbed.tyre.inflation import PressureSet
 from testbed.tyre.wear import worn_factors
 
@@ -80,7 +79,7 @@ def name_of(share: float, tyres: int, kind: str) -> str:
 def drives(seed: int, number: int, small: bool) -> list[Drive]:
     """All of repetition `number`, each after the calibration it needs."""
     car = RepetitionCar(seed, number)
-    rng = np.random.default_rng(run_seed(seed, number, 10_000))
+    rng = np.random.default_rng(own_seed(seed, number, 10_000))
     scale = SMALL if small else 1.0
     first = car.day(0, 180.0, manoeuvre="motorway", speed=QUICK) if small else car.day(0, LEARNING)
     found = [Drive("calibration", first, tyre=car.tyre), Drive("sound", car.day(1, scale * SOUND), tyre=car.tyre)]

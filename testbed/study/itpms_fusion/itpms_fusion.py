@@ -5,13 +5,15 @@ voting scheme (radius cannot see four equal losses):
 
     detect_15pct_N_tyres_p95_s     95 % quantile of the time from the moment at which 15 % are lost (sudden and leaks
                                    together; an alarm during a leak counts as 0), drives without an alarm censored.
-                                   Limit: the same quantile of the vibration bound (`bound`)
+                                   Limit: the same quantile of the vibration bound (`bound`); _sudden, _leak: of these
+                                   alone; _heard: of drives that are ever faster than HEARD_FROM
     isolation_rate                 share of the alarms that name exactly the low tyres
     false_alarms, hours            in sound driving: alarms with one in 60 s counted, and the hours
     designed_false_alarms_per_100h      the designed 1 (limit), and what the tail of the statistic says at the threshold
 
 A drive that alarms before its loss is a false alarm and counts no detection. Regulations and off-calibration cases: the
-share that alarmed in time. What was drawn is in `cars`, what was driven in `drives`.
+share that alarmed in time (limit for four at once: what their level can tell at all, `bound`). What was drawn is in
+`cars`, what was driven in `drives`.
 """
 
 from __future__ import annotations
@@ -29,7 +31,16 @@ from estimators.scores.false_alarms import false_alarms
 from estimators.scores.interval import Interval, proportion_interval
 from estimators.scores.survival import EventTimes, event_curve
 from estimators.scores.tail import fit_tail
-from testbed.study.itpms_fusion.drives import LOSSES, OFF_CALIBRATION, REGULATIONS, name_of
+from testbed.study.itpms_fusion.bound import found_by_level
+from testbed.study.itpms_fusion.drives import (
+    LOSSES,
+    OFF_CALIBRATION,
+    OFF_LOSS,
+    QUICK,
+    REGULATIONS,
+    SLOW,
+    name_of,
+)
 from testbed.study.itpms_fusion.repetition import METHODS, repeat, task
 from testbed.study.study import Row, Study, StudyRow, Task
 
@@ -37,6 +48,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 PAPER_TIME = 60.0  # s
+HEARD_FROM = 47.0  # km/h, from which on the antiphase mode is well heard
 GAP = 60.0  # s between alarms that count as two
 HUNDRED = 100.0
 
@@ -45,7 +57,7 @@ class ItpmsFusionStudy(Study):
     name = "itpms-fusion"
     about = "Does a car know that a tyre is low, which one and how soon, without a pressure sensor?"
     paper = "Persson, Gustafsson, Drevo, SAE 2002-01-1250, Figures 8 and 9."
-    runs = 20
+    runs = 28  # 20 h of sound driving
 
     @property
     def work(self) -> Callable[[Task], Row]:
@@ -121,8 +133,10 @@ def _detection(rows: Sequence[Row], method: str) -> Iterator[StudyRow]:
         if method == "radius" and tyres == 4:
             continue
         both = [name_of(0.15, tyres, kind) for kind in ("sudden", "leak")]
-        for names, ending in ((both, ""), (both[:1], "_sudden"), (both[1:], "_leak")):
+        for names, ending in ((both, ""), (both[:1], "_sudden"), (both[1:], "_leak"), (both, "_heard")):
             drives = driven(rows, names)
+            if ending == "_heard":
+                drives = [d for d in drives if d["fastest_kmh"] > HEARD_FROM]
             if drives and (not ending or method == "fused"):
                 yield StudyRow.of(
                     f"{start}detect_15pct_{tyres}_tyres{ending}_p95_s", "s", _quantile(times(drives, method)),
@@ -182,7 +196,9 @@ def _named(rows: Sequence[Row]) -> Iterator[StudyRow]:
                 a is not None and a[0] <= allowed and a[1] == d["wheels"] for a, d in zip(alarms, drives, strict=True)
             )
             in_time = sum(a is not None and a[0] <= allowed for a in alarms)
-            yield StudyRow.of(f"{prefix(method)}{name}_pass", "-", proportion_interval(in_time, len(drives)), limit=1.0)
+            most = found_by_level(OFF_LOSS, SLOW, QUICK) if name == "four_at_once" else 1.0
+            share = proportion_interval(in_time, len(drives))
+            yield StudyRow.of(f"{prefix(method)}{name}_pass", "-", share, limit=most)
             if method == "fused":
                 yield StudyRow.of(f"{name}_right_tyres", "-", proportion_interval(passed, len(drives)), limit=1.0)
                 yield StudyRow.of(f"{name}_p95_s", "s", _quantile(times(drives, method)), limit=_limit(drives, method))

@@ -100,10 +100,17 @@ def _driven(drive: Drive, believed: Mapping[str, Any], learnt: Mapping[str, Any]
         "wheels": list(drive.wheels), "share": drive.share, "onset_s": drive.onset, "reached_s": reached, "end_s": end,
         "sound_s": min(sound, end), "ended": error, "alarms": alarms,
         "largest": {m: _largest(said, f"{m}_statistic", min(sound, end)) for m in METHODS[:3]},
-        "bound_s": detection_bound(np.array(speed), reached, len(drive.wheels), drive.share) if drive.wheels else None,
-        "speed_kmh": 3.6 * float(np.mean(speed)), "manoeuvre": drive.scenario.manoeuvre, "road": drive.scenario.road,
+        "bound_s": _bound(drive, speed),
+        "speed_kmh": 3.6 * float(np.mean(speed)), "fastest_kmh": 3.6 * max(speed),
+        "manoeuvre": drive.scenario.manoeuvre, "road": drive.scenario.road,
         "statistics": _series(said) if drive.name in ("15x1_sudden", "25x1_sudden", "sound") else None,
     }  # fmt: skip
+
+
+def _bound(drive: Drive, speed: list[float]) -> float | None:
+    if not drive.wheels:
+        return None
+    return detection_bound(np.array(speed), drive.onset, drive.within, len(drive.wheels), drive.share)
 
 
 def _alarms(session: Session, words: Mapping[str, Signal]) -> dict[str, list[tuple[float, str]]]:
@@ -141,7 +148,7 @@ def _largest(said: Mapping[str, list[Signal]], name: str, end: float) -> list[fl
 
 
 def _series(said: Mapping[str, list[Signal]]) -> dict[str, list[float]]:
-    """Statistics and confidences over time, for the figures."""
-    names = ("fused_statistic", "vibration_confidence", "radius_confidence", "vibration_statistic", "radius_statistic")
-    columns = {name: _joined(said, name) for name in names}
-    return {"time_s": columns[names[0]][0].tolist()} | {n: np.round(v, 3).tolist() for n, (_, v) in columns.items()}
+    """Confidences of the voting scheme over time, for its figure; both are said in every block."""
+    columns = {name: _joined(said, name) for name in ("vibration_confidence", "radius_confidence")}
+    time = columns["vibration_confidence"][0].tolist()
+    return {"time_s": time} | {name: np.round(value, 3).tolist() for name, (_, value) in columns.items()}

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from estimators.vibration.mode_frequency import NOISE_BAND, ModeFrequency
 from estimators.vibration.modes import Mode
 from estimators.vibration.spectral_fit import FREQUENCY, SIZE, density
-from estimators.wheel_speed.resampling import USABLE
+from estimators.wheel_speed.resampling import USABLE, droop
 
 STEP = 0.25  # Hz
 
@@ -26,6 +26,7 @@ def frequency_bound(mode: Mode, parameters: NDArray[np.float64], seconds: float,
     f = np.concatenate([inside, above])
     within = np.concatenate([np.ones(len(inside)), np.zeros(len(above))])
     slopes = np.empty((len(f), SIZE))
-    density(parameters, mode.frequency, f, within, np.empty(len(f)), np.empty(len(f)), slopes)
+    white = droop(f, tooth_rate) ** -2.0
+    density(parameters, mode.frequency, f, within, white, np.empty(len(f)), np.empty(len(f)), slopes)
     information = seconds * STEP * slopes.T @ slopes + np.diag(ModeFrequency(mode).precisions())
     return float(np.exp(parameters[FREQUENCY]) * np.sqrt(np.linalg.inv(information)[FREQUENCY, FREQUENCY]))

@@ -23,6 +23,7 @@ from testbed.study.itpms_vibration.listening import (
     INNOVATION,
     JUDGED,
     LEAD,
+    METHODS,
     Heard,
     band_passed,
     drive,
@@ -54,6 +55,7 @@ KNOWN = {
     "in_phase": (40.0, 0.15, ((45.0, 0.0, 6.0),)),
 }
 RECORDS = 8  # of each shape in a repetition
+PAIRS = 2  # of noises added to a wheel's record
 SMALL = 14.0  # s of a drive in the small form
 
 
@@ -111,13 +113,20 @@ def _level(rim_speed: NDArray[np.float64], f: float) -> float:
 def _pressure(task: dict[str, Any]) -> dict[str, Any]:
     mode, heard = mode_of(task["mode"]), _drive(task, task["road"], task["speed"])
     shares = SHARES if task["ratio"] == 1.0 else SHARES[:1]
-    row: dict[str, Any] = {"words": []}
-    for share in shares:
-        noises = [wheel_speed_noise(h, mode, share, task["seed"] + w) for w, h in enumerate(heard)]
-        row["words"].append([words(h, RADIUS, mode, n) for h, n in zip(heard, noises, strict=True)])
+    row: dict[str, Any] = {"words": [[words(h, RADIUS, mode) for h in heard]]}
+    for share in shares[1:]:
+        row["words"].append([_noisy(h, mode, share, task["seed"] + 1000 * w) for w, h in enumerate(heard)])
     if task["number"] == 0:
         row |= _example(heard[0], mode)
     return row
+
+
+def _noisy(heard: Heard, mode: Mode, share: float, seed: int) -> dict[str, float]:
+    """By method, the mean frequency [Hz] of PAIRS noises, each added and taken off: what noise and drive have in common
+    cancels to first order, and what is left is the bias."""
+    noises = [wheel_speed_noise(heard, mode, share, seed + k) for k in range(PAIRS)]
+    every = [words(heard, RADIUS, mode, sign * noise) for noise in noises for sign in (1.0, -1.0)]
+    return {method: float(np.mean([said[method] for said in every])) for method in METHODS}
 
 
 def _example(heard: Heard, mode: Mode) -> dict[str, Any]:
@@ -181,13 +190,13 @@ def _known(task: dict[str, Any]) -> dict[str, Any]:
             signal = known_process(task["mode"], shape, min(JUDGED, task["duration"]), task["seed"] + 100 * k + w)
             noise = np.random.default_rng((task["seed"], k, w)).standard_normal(len(signal))
             for said, share in zip(words[k], SHARES, strict=True):
-                heard = _as_heard(shape[0] / 3.6 / RADIUS + signal + share * np.std(signal) * noise)
+                heard = made_up_wheel(shape[0] / 3.6 / RADIUS + signal + share * np.std(signal) * noise)
                 last = [r for r in readings(heard, RADIUS) if r.kind == "running" and r.mode is mode][-1]
                 said.append({"vibration": last.frequency, **published(heard.speed, mode, filtered=False)})
     return {"words": words}
 
 
-def _as_heard(speed: NDArray[np.float64]) -> Heard:
+def made_up_wheel(speed: NDArray[np.float64]) -> Heard:
     """Samples of a made-up wheel, second by second."""
     size = round(RATE)
     seconds = range(len(speed) // size)

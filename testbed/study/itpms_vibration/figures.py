@@ -95,7 +95,7 @@ def _runs(rows: Sequence[Row]) -> Figure:
 
 
 def _bias(rows: Sequence[Row]) -> Figure:
-    figure = Figure(figsize=(6.5, 4.2), layout="constrained")
+    figure = Figure(figsize=(9.5, 4.2), layout="constrained")
     axes = figure.subplots()
     for i, method in enumerate(METHODS):
         found = biases(rows, "antiphase", method)
@@ -107,5 +107,5 @@ def _bias(rows: Sequence[Row]) -> Figure:
     axes.set_yscale("symlog", linthresh=0.1)
     axes.axhspan(-0.1, 0.1, color="0.9")
     axes.set(xlabel="added white noise [% of the signal's r.m.s.]", ylabel="bias [Hz]", title="Antiphase mode")
-    axes.legend(fontsize="small")
+    figure.legend(loc="outside right upper", fontsize="small")
     return figure

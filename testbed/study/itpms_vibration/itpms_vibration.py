@@ -8,15 +8,16 @@ from 32 to 58 km/h; rows that end in `_in_phase` are about it, all others about 
 METHOD_std_over_bound: scatter of the frequency at the end of 60 s over repetitions, in the worst of the cells (road
 class and speed; the level of each wheel and cell is taken off), over the Cramer-Rao bound of 60 s for the cell's own
 mean spectrum, so for the signal-to-noise of that drive. Interval: chi-square of that cell; the worst of eleven is high
-by chance too, which the row `..._all_cells` is not. Front and rear wheel roll over the same road and err alike at a
+by chance too: `..._worst_by_chance` is the median of the worst if all cells scattered as `..._all_cells`, the figure
+without that selection, says. Front and rear wheel roll over the same road and err alike at a
 high signal-to-noise (correlation up to 0.9), so the intervals are too narrow by up to a root of two. A biased method
 may scatter less than the bound: AR(2) does, because its band-pass holds it; see its sensitivity. The bound is that of a
-stationary Gaussian spectrum of the model's form; the car on a rough road is neither quite linear nor Gaussian, and the
-excess over the bound grows with the road's class (1.0 to 1.1 on A). Which of the two it is has not been separated.
+stationary Gaussian spectrum of the model's form over the mode's band.
 
 METHOD_bias_hz: worst of white noise of 30 and 100 % (of the r.m.s. within the mode's band) added to the tracked wheel
 speed, and of two truths: a process whose frequency is known (error), and the multibody car on C at 80 km/h (shift
-against the same method without noise). The known process is the honest one, but has the model's own form; the car has
+against the same method on the same drive without noise; each noise is added and taken off, so that the interval is
+that of the bias and not of the drives). The known process is the honest one, but has the model's own form; the car has
 another, but its truth is only known to what roads do: `vibration_minus_linearised_hz`.
 
 Sensitivities: d ln f / d ln p, simulated from 100 to 70 % in all tyres on the same road; limit: the linearised car.
@@ -40,7 +41,7 @@ class ItpmsVibrationStudy(Study):
     name = "itpms-vibration"
     about = "Which vibration of a wheel tells its pressure, how well, and how near to the bound do methods come?"
     paper = "Persson, Gustafsson, Drevo, SAE 2002-01-1250, Figures 2, 3 and 4."
-    runs = 8
+    runs = 16
 
     @property
     def work(self) -> Callable[[Task], Row]:

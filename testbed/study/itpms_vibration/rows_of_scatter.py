@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import optimize, special
 
 from estimators.drive_log import WHEELS
 from estimators.scores.interval import chi_square_root, mean_interval
@@ -75,6 +76,16 @@ def _ratio(name: str, total: float, degrees: int, limit: float | None) -> StudyR
     return StudyRow.of(name, "-", chi_square_root(total / degrees, degrees).at(0), limit=limit)
 
 
+def median_of_worst(degrees: Sequence[int]) -> float:
+    """Median of the largest of independent estimates of one std, in units of it, each of so many degrees of freedom:
+    half of all repetitions of cells that are all alike show a worst one beyond it."""
+
+    def excess(square: float) -> float:
+        return float(np.prod([special.gammainc(0.5 * n, 0.5 * n * square) for n in degrees])) - 0.5
+
+    return float(optimize.brentq(excess, 1e-6, 100.0) ** 0.5)
+
+
 def table(rows: Sequence[Row]) -> Iterator[StudyRow]:
     """See `itpms_vibration`."""
     every = cells(rows)
@@ -88,9 +99,10 @@ def table(rows: Sequence[Row]) -> Iterator[StudyRow]:
             total, degrees, _ = max(parts, key=lambda part: part[0] / part[1])
             limit = MOST_OVER_BOUND if method == "vibration" else None
             yield _ratio(f"{method}_std_over_bound{ending}", total, degrees, limit)
-            yield _ratio(
-                f"{method}_std_over_bound{ending}_all_cells", sum(p[0] for p in parts), sum(p[1] for p in parts), None
-            )
+            pooled = sum(p[0] for p in parts), sum(p[1] for p in parts)
+            yield _ratio(f"{method}_std_over_bound{ending}_all_cells", *pooled, None)
+            chance = (pooled[0] / pooled[1]) ** 0.5 * median_of_worst([part[1] for part in parts])
+            yield StudyRow(f"{method}_std_over_bound{ending}_worst_by_chance", "-", None, chance)
         yield from _reported(of, ending)
         for cell in of:
             bound = float(np.sqrt(np.mean(cell.bound**2)))

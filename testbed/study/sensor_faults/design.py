@@ -24,7 +24,7 @@ SEED = 77_003  # the study's default is 0
 DRIVES = 60
 
 
-def residuals(drive: Drive) -> NDArray[np.float64]:
+def residuals(drive: Drive, car: Car) -> NDArray[np.float64]:
     """x of both comparisons on a sound drive, nothing ever accused, shape (n, 8); NaN where nothing was judged."""
     grid, state, parts = Grid(CHANNELS, STEP), monitor.new_state(), []
     never = np.full((2, 4), 1e9)
@@ -33,7 +33,7 @@ def residuals(drive: Drive) -> NDArray[np.float64]:
         cells, _ = grid.close(number + 1.0 + LATENCY)
         said = np.empty((len(cells.index), monitor.SAID))
         values, none = np.ascontiguousarray(cells.value), np.zeros((len(cells.index), 4))
-        monitor.follow(constants(Car()), state, never, cells.index, values, none, said)
+        monitor.follow(constants(car), state, never, cells.index, values, none, said)
         parts.append(said[:, monitor.YAW_X : monitor.YAW_X + SOURCES])
     return np.concatenate(parts)
 
@@ -62,7 +62,8 @@ def main() -> int:
     record = []
     for number in range(drives):
         try:
-            record.append(residuals(driven(scenario(SEED, number, DURATION))))
+            asked = scenario(SEED, number, DURATION)
+            record.append(residuals(driven(asked), Car(driven_axle=asked.driven)))
         except ValueError as error:  # a road that this car cannot take
             print(f"drive {number}: {error}", flush=True)
         print(f"{number + 1} of {drives}", flush=True)

@@ -6,18 +6,15 @@ up to 400 kg, either axle driven, radii off nominal by a standard deviation of 0
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from estimators.drive_log import WHEELS, Signal
+from estimators.drive_log import WHEELS
 from estimators.redundancy.redundancy import Redundancy
 from testbed.scenario import Scenario
-from testbed.sensors import SensorSuite, sensor_settings
-from testbed.session import motion_of
-from testbed.simulation import Simulation
+from testbed.study.sensed import Stretch, sensed
 from testbed.study.study import run_seed
 
 DURATION, SMALL_DURATION = 150.0, 24.0  # s
@@ -25,7 +22,6 @@ CYCLE = ("motorway", "town", "motorway", "stops", "constant", "motorway", "town"
 SPEEDS = {"town": 14.0, "stops": 18.0, "slalom": 14.0}  # m/s; others are drawn
 ROADS = ("A", "B", "C", "A", "B", "C", "A", "B", "C", "D")
 SLOW = 20.0  # m/s, at the most on class D
-Stretch = Mapping[str, Signal]
 
 
 @dataclass(frozen=True)
@@ -55,17 +51,5 @@ def scenario(seed: int, number: int, duration: float) -> Scenario:
 
 def driven(asked: Scenario) -> Drive:
     """The whole drive. ValueError where it cannot be driven to its end."""
-    simulation = Simulation(asked)
-    suite = SensorSuite(sensor_settings(asked.sensors), asked.seed, simulation, car_seed=asked.car_seed)
-    stretches: list[Stretch] = []
-    time, speed, turn = [], [], []
-    for stretch in simulation.stretches():
-        said = suite.advance(motion_of(stretch, asked.step))
-        stretches.append({name: said[name] for name in Redundancy.reads})
-        kept = slice(49, None, 50)
-        heading = stretch["velocity"][kept]
-        time.append(stretch["time"][kept])
-        speed.append(np.linalg.norm(heading, axis=1))
-        turn.append(stretch["gyro"][kept, 2])
-    clock, way = np.concatenate(time), np.concatenate(speed)
-    return Drive(stretches, clock, np.gradient(way, clock), np.concatenate(turn))
+    heard = sensed(asked, Redundancy.reads)
+    return Drive(heard.stretches, heard.time, np.gradient(heard.speed, heard.time), heard.yaw_rate)

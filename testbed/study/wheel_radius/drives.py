@@ -79,7 +79,8 @@ def drive_test_runs(task: dict[str, Any]) -> dict[str, Any]:
     and what `drive_slopes` gives.
     """
     before = Scenario.from_notes(task["calibration"])
-    with Session(before, None, [METHOD], variant_of(before, {}, {}, {})) as session:
+    variant = dataclasses.replace(variant_of(before, {}, {}, {}), only_read=True)
+    with Session(before, None, [METHOD], variant) as session:
         for _ in session.run():
             pass
         learnt = session.bank.calibrations()
@@ -94,7 +95,8 @@ def drive_test_runs(task: dict[str, Any]) -> dict[str, Any]:
 def _drive(scenario: Scenario, learnt: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
     taker = CourseTaker()
     said: list[dict[str, tuple[float, float]]] = []
-    with Session(scenario, None, [METHOD], variant_of(scenario, {}, {}, {}, learnt)) as session:
+    variant = dataclasses.replace(variant_of(scenario, {}, {}, {}, learnt), only_read=True)
+    with Session(scenario, None, [METHOD], variant) as session:
         last: dict[str, tuple[float, float]] = {}
         for stretch, words in session.run():
             taker.add(stretch)

@@ -46,7 +46,8 @@ def drive_slopes(drives: dict[str, Any]) -> dict[str, Any]:
         traction: list[np.ndarray] = []
         slip: list[np.ndarray] = []
         said: dict[str, float] = {}
-        with Session(scenario, None, [METHOD], variant_of(scenario, {}, {}, {})) as session:
+        variant = dataclasses.replace(variant_of(scenario, {}, {}, {}), only_read=True)
+        with Session(scenario, None, [METHOD], variant) as session:
             for stretch, words in session.run():
                 pull = stretch["fx"] / np.maximum(stretch["load"], 1.0)
                 cells = len(pull) // CELL
