@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from estimators.quarter_car.quarter_car import QuarterCar, ride
 from estimators.quarter_car.road_shape import class_spectrum, synthesised
 from estimators.unscented_imm.compiled_bank import CompiledImm
+from estimators.unscented_imm.identify import KnownCase, identify
 from estimators.unscented_imm.kernel import HIGHEST, LOWEST
 from estimators.unscented_imm.markov import published, scaled
 from estimators.unscented_imm.reference import ReferenceImm, quarter_step
@@ -235,3 +236,21 @@ def test_a_bank_that_needs_its_road_says_so() -> None:
         CompiledImm(oracle()).run(np.zeros((3, 1, 2)), np.full((3, 1, 4), np.nan))
     with pytest.raises(ValueError, match="valid: 1 or 4"):
         known_road([QUARTERS[:3]], 250e3)
+
+
+def test_identification_finds_the_quarter_car_that_drove() -> None:
+    """Accelerations of a quarter car over a class D road: its four parameters, and no error left."""
+    rng = np.random.default_rng(5)
+    cases = []
+    for stiffness in (180e3, 240e3):
+        road = synthesised(class_spectrum("D"), SPEED, 1e-3, 2 * 1600 - 1, rng)
+        _, felt = ride(QUARTER, road, stiffness, 2e-3)
+        cases.append(KnownCase(road, stiffness, felt, 2e-3))
+    found = identify(QUARTER.sprung_mass, QUARTER.unsprung_mass, cases, 1)
+    assert found.quarter.damping == pytest.approx(QUARTER.damping, rel=0.01)
+    assert found.quarter.quadratic_damping == pytest.approx(QUARTER.quadratic_damping, rel=0.05)
+    assert found.quarter.spring_rate == pytest.approx(QUARTER.spring_rate, rel=0.01)
+    assert found.errors.shape == (2, 2)
+    assert found.errors.max() < 0.02
+    with pytest.raises(ValueError, match="cases"):
+        identify(400.0, 60.0, [], 1)

@@ -12,14 +12,17 @@ from estimators.car import Car
 from estimators.quarter_car.bound import Setting, relative_stiffness_std
 from estimators.quarter_car.quarter_car import QuarterCar
 from estimators.quarter_car.response import response, road_spectrum
-from estimators.vertical_pressure.anti_alias import RATE, STEP, analogue, sections
+from estimators.quarter_car.tyre_law import TyreLaw
+from estimators.vertical_pressure.anti_alias import HIGH_PASS, RATE, STEP, analogue, sections
 from estimators.vertical_pressure.bank import LEVELS, SENSOR_VARIANCE, STIFFNESSES, AxleBank, at_rest, hear
+from estimators.vertical_pressure.calibrate import LEAST_STD, calibrated, rescaled
 from estimators.vertical_pressure.chain import continuous, sampled
-from estimators.vertical_pressure.corner import from_document, maker_corner, to_document
+from estimators.vertical_pressure.corner import expected_pressure, from_document, maker_corner, to_document
 from estimators.vertical_pressure.identify import SETTLE, KnownDrive, identify
 from estimators.vertical_pressure.innovations import filter_of, squares
 from estimators.vertical_pressure.posterior import LOG_LEVEL, LOG_STIFFNESS, Posterior, moments
 from estimators.vertical_pressure.riccati import steady_filter, steady_prediction
+from estimators.vertical_pressure.vertical_pressure import VerticalPressure
 from models.identified import identified
 
 SPEED, STIFFNESS, LEVEL = 60.0 / 3.6, 220e3, 4e-6
@@ -72,7 +75,7 @@ def test_sampling_is_the_matrix_exponential_and_keeps_the_stationary_covariance(
     assert np.abs((P - A @ P @ A.T - Q) / np.outer(scale, scale)).max() < 1e-7
 
 
-def test_chain_is_the_quarter_car_behind_footprint_and_low_pass() -> None:
+def test_chain_is_the_quarter_car_behind_footprint_and_both_filters() -> None:
     """With a light belt the hub's spectrum is `response` times the road's, the cams' and the filter."""
     frequency = np.array([0.8, 2.0, 6.0, 11.0, 20.0, 27.0])
     quarter = QUARTER._replace(unsprung_mass=60.0, belt_mass=1e-3)
@@ -83,8 +86,7 @@ def test_chain_is_the_quarter_car_behind_footprint_and_low_pass() -> None:
     length = quarter.footprint * (STIFFNESS / 250e3) ** -quarter.softer
     cams = np.cos(np.pi * frequency * length / SPEED)
     wanted = np.abs(response(plain, STIFFNESS, frequency)[:, 1] * cams * in_band(frequency)) ** 2
-    corner = 0.127 * SPEED
-    road = road_spectrum(frequency, 1.0, SPEED) * frequency**2 / (frequency**2 + (corner / (2.0 * np.pi)) ** 2)
+    road = road_spectrum(frequency, 1.0, SPEED) * frequency**2 / (frequency**2 + HIGH_PASS**2)
     assert 2.0 * np.abs(gain) ** 2 == pytest.approx(wanted * road, rel=5e-3)  # the delay's Pade form
 
 
@@ -182,3 +184,29 @@ def test_documents_there_and_back_and_what_is_wrong_with_them() -> None:
         from_document(document | {"rear": document["rear"] | {"damping": -1.0}})
     with pytest.raises(ValueError, match="all of them"):
         from_document(document | {"rear": {}})
+
+
+def test_scale_is_found_that_likelihood_of_an_unknown_road_leaves_open() -> None:
+    """A quarter car 5 % too heavy and too stiff in all parts: set right by the mean of the drives, to their scatter."""
+    known = [KnownDrive(y, STIFFNESS, SPEED) for y in drives(16, 40.0, 6)]
+    found = calibrated(rescaled(QUARTER, 1.05), known)
+    assert found.quarter.unsprung_mass == pytest.approx(QUARTER.unsprung_mass, rel=0.02)
+    assert found.quarter.damping / found.quarter.sprung_mass == pytest.approx(QUARTER.damping / QUARTER.sprung_mass)
+    assert LEAST_STD <= found.stiffness_std < 0.03
+
+
+def test_what_is_expected_of_the_tyres_is_what_is_said_before_anything_was_heard() -> None:
+    car, tyres = Car(), {"pressure": 180e3, "pressure_std": 20e3}
+    estimator = VerticalPressure(car)
+    document = identified()["vertical_pressure"] | {"tyres": tyres}
+    estimator.use_calibration(document)
+    assert estimator.calibration() == document
+    law, wheel = TyreLaw.of(car), estimator._wheels[0]
+    mean, std = moments(wheel.posterior.stiffness(), law.pressure_of(np.exp(LOG_STIFFNESS), 20.0, wheel.load))
+    assert mean == pytest.approx(180e3, rel=5e-3)
+    assert std == pytest.approx(20e3, rel=0.02)
+    assert expected_pressure(car, {}) == (car.pressure, 0.25 * car.pressure)
+    with pytest.raises(ValueError, match="pressure_std"):
+        expected_pressure(car, {"tyres": {"pressure": 1.0}})
+    with pytest.raises(ValueError, match="pressure is -1"):
+        expected_pressure(car, {"tyres": tyres | {"pressure": -1.0}})

@@ -17,8 +17,11 @@ from numpy.typing import NDArray
 from estimators.quarter_car.quarter_car import QuarterCar
 
 
-def road_spectrum(frequency: NDArray[np.float64], spectrum: float, speed: float) -> NDArray[np.float64]:
-    """S_r of the height [m^2/Hz] at frequencies [Hz] above 0; spectrum: G at 1 rad/m [m^3/rad]; speed [m/s]."""
+def road_spectrum(
+    frequency: NDArray[np.float64], spectrum: float | NDArray[np.float64], speed: float
+) -> NDArray[np.float64]:
+    """S_r of the height [m^2/Hz] at frequencies [Hz] above 0; spectrum: G at 1 rad/m [m^3/rad], or G Omega^2 of each
+    frequency where the slope is not -2; speed [m/s]."""
     return spectrum * speed / (2.0 * np.pi * frequency**2)
 
 
@@ -36,7 +39,7 @@ def response(quarter: QuarterCar, tyre_stiffness: float, frequency: NDArray[np.f
 def measured_spectrum(
     quarter: QuarterCar,
     tyre_stiffness: float,
-    spectrum: float,
+    spectrum: float | NDArray[np.float64],
     speed: float,
     noise_density: float,
     frequency: NDArray[np.float64],

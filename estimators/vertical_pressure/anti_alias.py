@@ -7,8 +7,8 @@ road level is 5.59 % after 10 s with 28 Hz, 5.49 % with 36, 5.44 % with 50, whil
 less the shorter the waves. A first-order high-pass at 0.25 Hz takes gravity, bias and slopes of the road out. Both
 run at the sensors' rate and are begun at rest, under gravity alone: begun on the first sample, what the road did in
 that instant would take seconds to be forgotten, and look like a soft tyre on a rough road. `analogue` is the low-pass
-as the filters' model has it; the discrete one is its bilinear image, prewarped at its edge. Left out of the model:
-the high-pass.
+as the filters' model has it; the discrete one is its bilinear image, prewarped at its edge. The high-pass is in the
+model's road (`chain`).
 """
 
 from __future__ import annotations

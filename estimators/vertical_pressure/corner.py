@@ -1,7 +1,8 @@
 """What is known of each axle's corner: the maker's numbers, or those identified on drives at known pressures.
 
 A document of an identified car has for "front" and "rear" the fields of `Quarter` and `stiffness_std`, the relative
-standard deviation that is left of k_t however long one drives.
+standard deviation that is left of k_t however long one drives. It may have `tyres`: the `pressure` and `pressure_std`
+[Pa] that are expected before anything was heard, where more is known than that tyres in use are about nominal.
 """
 
 from __future__ import annotations
@@ -17,6 +18,8 @@ from estimators.vertical_pressure.chain import Quarter
 
 SOFTER = 0.6  # contact length over stiffness at one load: MF 6.1, between its square root and its linear term
 HUB_ERROR = 0.005  # Declared: the model explains all but half a per cent of what is new in a sample
+USUAL_STD = 0.25  # of nominal pressure. Declared: tyres in use, leaks among them
+TYRES, EXPECTED = "tyres", ("pressure", "pressure_std")
 MAKER_STD = 0.03  # Declared: springs, masses and footprint of a maker's drawing make k_t that uncertain
 
 
@@ -50,18 +53,34 @@ def maker_corner(car: Car, axle: str) -> Corner:
 def from_document(document: Mapping[str, Any]) -> dict[str, Corner]:
     """Corners by axle. ValueError names what is wrong."""
     names = (*Quarter._fields, "stiffness_std")
-    if set(document) != set(AXLES):
-        raise ValueError(f"calibration has {sorted(document)}, valid: {', '.join(AXLES)}, both")
+    if set(document) - {TYRES} != set(AXLES):
+        raise ValueError(f"calibration has {sorted(document)}, valid: {', '.join(AXLES)}, both, and {TYRES}")
     corners = {}
-    for axle, entry in document.items():
+    for axle in AXLES:
+        entry = document[axle]
         if not isinstance(entry, Mapping) or set(entry) != set(names):
             raise ValueError(f"calibration of {axle} is {entry!r}, valid: {', '.join(names)}, all of them")
-        for name, value in entry.items():
-            number = isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
-            if not number or value <= 0.0:
-                raise ValueError(f"calibration of {axle}: {name} is {value!r}, valid: a finite number above 0")
+        _check_numbers(axle, entry)
         corners[axle] = Corner(Quarter(*(float(entry[n]) for n in Quarter._fields)), float(entry["stiffness_std"]))
     return corners
+
+
+def expected_pressure(car: Car, document: Mapping[str, Any]) -> tuple[float, float]:
+    """Mean and std [Pa] before anything was heard. ValueError names what is wrong."""
+    entry = document.get(TYRES)
+    if entry is None:
+        return car.pressure, USUAL_STD * car.pressure
+    if not isinstance(entry, Mapping) or set(entry) != set(EXPECTED):
+        raise ValueError(f"calibration of {TYRES} is {entry!r}, valid: {', '.join(EXPECTED)}, both of them")
+    _check_numbers(TYRES, entry)
+    return float(entry["pressure"]), float(entry["pressure_std"])
+
+
+def _check_numbers(what: str, entry: Mapping[str, Any]) -> None:
+    for name, value in entry.items():
+        number = isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
+        if not number or value <= 0.0:
+            raise ValueError(f"calibration of {what}: {name} is {value!r}, valid: a finite number above 0")
 
 
 def to_document(corners: Mapping[str, Corner]) -> dict[str, Any]:

@@ -31,7 +31,14 @@ from estimators.grid import LATENCY, Cells, Channel, Grid
 from estimators.quarter_car.quarter_car import quarter_masses
 from estimators.quarter_car.tyre_law import TyreLaw
 from estimators.vertical_pressure.bank import AxleBank, at_rest, hear
-from estimators.vertical_pressure.corner import Corner, from_document, maker_corner, to_document
+from estimators.vertical_pressure.corner import (
+    TYRES,
+    Corner,
+    expected_pressure,
+    from_document,
+    maker_corner,
+    to_document,
+)
 from estimators.vertical_pressure.intake import BLOCK, HubIntake
 from estimators.vertical_pressure.limit import Limit
 from estimators.vertical_pressure.posterior import LOG_LEVEL, LOG_STIFFNESS, Posterior, moments
@@ -39,7 +46,7 @@ from estimators.vertical_pressure.posterior import LOG_LEVEL, LOG_STIFFNESS, Pos
 SAY = 2  # blocks from one estimate to the next
 SLOWEST, FASTEST = 7.0, 90.0  # m/s
 CLASSES = "ABCD"
-PRIOR_STD, USUAL_SPEED = 0.25, 20.0  # of nominal pressure, m/s. Declared: tyres in use, leaks among them
+USUAL_SPEED = 20.0  # m/s of the prior
 _MS = 1e-3
 _LEVEL = (LOG_LEVEL - np.log(1e-6)) / np.log(4.0)
 _CLASS = np.clip(np.rint(_LEVEL), 0, len(CLASSES) - 1).astype(int)
@@ -52,10 +59,11 @@ CHANNELS = (
 class _Wheel:
     """One tyre: its samples, filters and what they are believed."""
 
-    def __init__(self, car: Car, name: str) -> None:
+    def __init__(self, car: Car, name: str, expected: tuple[float, float]) -> None:
+        """expected: mean and std of the pressure before anything was heard [Pa]."""
         self.name = name
         self.load = sum(quarter_masses(car, name)) * GRAVITY
-        prior = _prior(car, self.load)
+        prior = _prior(car, self.load, *expected)
         self.intake, self.posterior = HubIntake(), Posterior(prior)
         self.limit = Limit(prior)
         self._x = at_rest()
@@ -94,25 +102,26 @@ class VerticalPressure(Estimator):
         super().__init__(car)
         self._law = TyreLaw.of(car)
         self._grid = Grid(CHANNELS, _MS)
-        self._wheels = tuple(_Wheel(car, name) for name in WHEELS)
         self._heard = np.zeros(len(CHANNELS), dtype=bool)
         self._waiting: list[Cells] = []
         self._next: int | None = None
-        self._identified: dict[str, Corner] | None = None
-        self._use({axle: maker_corner(car, axle) for axle in AXLES})
+        self._identified: dict[str, Any] | None = None
+        self._use({axle: maker_corner(car, axle) for axle in AXLES}, expected_pressure(car, {}))
 
-    def _use(self, corners: Mapping[str, Corner]) -> None:
+    def _use(self, corners: Mapping[str, Corner], expected: tuple[float, float]) -> None:
         self._corners = corners
+        self._wheels = tuple(_Wheel(self.car, name, expected) for name in WHEELS)
         self._banks = {axle: AxleBank(corner.quarter) for axle, corner in corners.items()}
 
     def use_calibration(self, document: Mapping[str, Any]) -> None:
-        """The identified corners, see `corner`."""
-        self._identified = from_document(document)
-        self._use(self._identified)
+        """The identified corners and what is expected of the tyres, see `corner`; forgets what was heard."""
+        corners, expected = from_document(document), expected_pressure(self.car, document)
+        self._identified = to_document(corners) | ({TYRES: dict(document[TYRES])} if TYRES in document else {})
+        self._use(corners, expected)
 
     def calibration(self) -> dict[str, Any] | None:
         """What it was given: corners are identified at known pressures, not on any drive."""
-        return None if self._identified is None else to_document(self._identified)
+        return self._identified
 
     def update(self, samples: Mapping[str, Signal], until: float) -> Outputs:
         """See `Estimator.update`."""
@@ -183,11 +192,11 @@ class VerticalPressure(Estimator):
             rows.setdefault(f"road/{name}", []).append((time, p, float(np.sqrt(p * (1.0 - p)))))
 
 
-def _prior(car: Car, load: float) -> NDArray[np.float64]:
-    """Of each exp(LOG_STIFFNESS): pressure Gaussian about nominal; cells are even in ln k, so p(k) k counts."""
+def _prior(car: Car, load: float, mean: float, std: float) -> NDArray[np.float64]:
+    """Of each exp(LOG_STIFFNESS): pressure Gaussian; cells are even in ln k, so p(k) k counts."""
     stiffness = np.exp(LOG_STIFFNESS)
     pressure = TyreLaw.of(car).pressure_of(stiffness, USUAL_SPEED, load)
-    return stiffness * np.exp(-0.5 * ((pressure - car.pressure) / (PRIOR_STD * car.pressure)) ** 2)
+    return stiffness * np.exp(-0.5 * ((pressure - mean) / std) ** 2)
 
 
 _UNITS = {"stiffness": "N/m", "pressure": "Pa", "pressure_bound": "Pa"}
