@@ -9,9 +9,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from estimators.axles.bound import SharedRoad, difference_std, pressure_std
 from numpy.typing import NDArray
 
+from estimators.axles.bound import SharedRoad, difference_std, pressure_std
 from estimators.axles.calibration import from_document
 from estimators.car import GRAVITY
 from estimators.drive_log import WHEELS
