@@ -1,10 +1,10 @@
 """What was identified of the car in this folder on drives at known pressures: calibrations that its drives start from.
 
 `suv_quarter_cars.json`: the quarter car of each axle for the estimator `vertical_pressure`, written by `python -m
-testbed.identify_quarter_cars`; fields and units in `estimators/vertical_pressure/chain.py`. `suv_axles.json`: both
-axles over one road for the estimator `axles`, written by `python -m testbed.identify_axles`; fields in
+testbed.identify quarter-cars`; fields and units in `estimators/vertical_pressure/chain.py`. `suv_axles.json`: both
+axles over one road for the estimator `axles`, written by `python -m testbed.identify axles`; fields in
 `estimators/axles/calibration.py`. `suv_quarter_cars_by_class.json`: the published method's nonlinear quarter cars, by
-axle and road class, written by `python -m testbed.identify_published`.
+axle and road class, written by `python -m testbed.identify published`.
 """
 
 from __future__ import annotations

@@ -12,7 +12,7 @@ import numpy as np
 
 from estimators.quarter_car.quarter_car import QuarterCar, published_quarter_car, quarter_masses, ride
 from models.identified import identified_by_class
-from testbed.identify_published import known_case
+from testbed.identify.published import known_case
 from testbed.scenario import Scenario
 from testbed.study.vertical_pressure.listening import known
 from testbed.study.vertical_pressure.told import QUARTER_FIELDS

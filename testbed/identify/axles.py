@@ -1,4 +1,4 @@
-"""python -m testbed.identify_axles [--out FILE]: both axles over one road, as `axles` starts from them.
+"""python -m testbed.identify axles: both axles over one road, as `axles` starts from them.
 
 Drives at 30 to 120 km/h over roads of their own, classes A to D in turn, all tyres at 130, 180 or 250 kPa, or one axle
 at 180 and the other at 250: fits `estimators.axles.identify` and writes the estimator's calibration, by default the
@@ -8,11 +8,9 @@ real car, not the simulator's truth. Some ten minutes.
 
 from __future__ import annotations
 
-import argparse
 import itertools
-import sys
-from collections.abc import Iterator, Sequence
-from pathlib import Path
+from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,9 +24,6 @@ from estimators.quarter_car.quarter_car import quarter_masses
 from estimators.quarter_car.tyre_law import TyreLaw
 from estimators.runner import FLUSH
 from estimators.vertical_pressure.intake import SAMPLES
-from estimators.whole_file import check_writable, write_json
-from models.identified import TWO_AXLES
-from testbed.arguments import Parser
 from testbed.notes import known_car
 from testbed.scenario import Scenario
 from testbed.sensors import SensorSuite, sensor_settings
@@ -82,24 +77,8 @@ def known_road(scenario: Scenario) -> KnownRoad:
     return KnownRoad(mean_matrix(sides), np.array(stiffness), scenario.speed)
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
-    """Exit status: 0, or 2 when the file cannot be written."""
-    layout = argparse.RawDescriptionHelpFormatter
-    parser = Parser(prog="testbed.identify_axles", description=__doc__, formatter_class=layout)
-    parser.add_argument("--out", type=Path, default=TWO_AXLES, metavar="FILE", help="the calibration (JSON)")
-    options = parser.parse_args(arguments)
-    try:
-        check_writable(options.out)
-        simulation = Simulation(Scenario(duration=1.0))
-        car = known_car(simulation.vehicle, simulation.tyre, simulation.scenario)
-        known = identify(maker_axles(car), list(known_roads()))
-        write_json(options.out, to_document(known))
-    except OSError as error:
-        print(f"testbed.identify_axles: {error.filename or ''}: {error.strerror or error}", file=sys.stderr)
-        return 2
-    print(known.axles)
-    return 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())
+def document() -> dict[str, Any]:
+    """The calibration of `axles`, JSON values."""
+    simulation = Simulation(Scenario(duration=1.0))
+    car = known_car(simulation.vehicle, simulation.tyre, simulation.scenario)
+    return to_document(identify(maker_axles(car), list(known_roads())))

@@ -1,4 +1,4 @@
-"""python -m testbed.identify_quarter_cars [--out FILE]: the quarter cars that `vertical_pressure` starts from.
+"""python -m testbed.identify quarter-cars: the quarter cars that `vertical_pressure` starts from.
 
 Straight drives of a minute on roads of their own, each with a level between half of class A's centre and one and a half
 of class D's, 35 to 110 km/h, every tyre at its own pressure between 120 and 260 kPa: roads lie between classes, and a
@@ -10,11 +10,8 @@ pressure is the tyre's law, as for a real car, not the simulator's truth. A quar
 
 from __future__ import annotations
 
-import argparse
-import json
-import sys
 from collections.abc import Iterator, Sequence
-from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,9 +24,6 @@ from estimators.vertical_pressure.calibrate import calibrated
 from estimators.vertical_pressure.corner import Corner, maker_corner, to_document
 from estimators.vertical_pressure.identify import KnownDrive, identify
 from estimators.vertical_pressure.intake import BLOCK, HubIntake
-from estimators.whole_file import check_writable, write_json
-from models.identified import QUARTER_CARS
-from testbed.arguments import Parser
 from testbed.notes import known_car
 from testbed.scenario import Scenario
 from testbed.sensors import SensorSuite, sensor_settings
@@ -85,24 +79,8 @@ def corners(car: Car, drives: Sequence[tuple[str, KnownDrive]]) -> dict[str, Cor
     return found
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
-    """Exit status: 0, or 2 when the file cannot be written."""
-    layout = argparse.RawDescriptionHelpFormatter
-    parser = Parser(prog="testbed.identify_quarter_cars", description=__doc__, formatter_class=layout)
-    parser.add_argument("--out", type=Path, default=QUARTER_CARS, metavar="FILE", help="the calibration (JSON)")
-    options = parser.parse_args(arguments)
-    try:
-        check_writable(options.out)
-        simulation = Simulation(Scenario(duration=1.0))
-        car = known_car(simulation.vehicle, simulation.tyre, simulation.scenario)
-        document = to_document(corners(car, list(known_drives())))
-        write_json(options.out, document)
-    except OSError as error:
-        print(f"testbed.identify_quarter_cars: {error.filename or ''}: {error.strerror or error}", file=sys.stderr)
-        return 2
-    print(json.dumps(document, indent=1))
-    return 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())
+def document() -> dict[str, Any]:
+    """The calibration of `vertical_pressure`, JSON values."""
+    simulation = Simulation(Scenario(duration=1.0))
+    car = known_car(simulation.vehicle, simulation.tyre, simulation.scenario)
+    return to_document(corners(car, list(known_drives())))

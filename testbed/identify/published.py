@@ -1,4 +1,4 @@
-"""python -m testbed.identify_published [--out FILE]: quarter cars by road class, as the IMM of unscented filters wants.
+"""python -m testbed.identify published: quarter cars by road class, as the IMM of unscented filters wants.
 
 Brancati & Tufano, Machines 2022, 10, 1221, 5.2: for each class A to D, nine drives of the multibody car (40, 60, 80
 km/h by 130, 180, 230 kPa, straight on) over a known road, and the nonlinear quarter car that follows both accelerations
@@ -11,12 +11,7 @@ Writes, by axle and class, c, c2, k, k3 and the 18 objectives; by default the fi
 
 from __future__ import annotations
 
-import argparse
 import itertools
-import json
-import sys
-from collections.abc import Sequence
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -26,9 +21,6 @@ from estimators.drive_log import WHEELS
 from estimators.quarter_car.quarter_car import quarter_masses
 from estimators.quarter_car.tyre_law import TyreLaw
 from estimators.unscented_imm.identify import SEARCHED, KnownCase, identify
-from estimators.whole_file import check_writable, write_json
-from models.identified import CLASS_QUARTER_CARS
-from testbed.arguments import Parser
 from testbed.notes import known_car
 from testbed.scenario import Scenario
 from testbed.simulation import Simulation
@@ -82,24 +74,8 @@ def fitted(road: str, first_seed: int, duration: float = DURATION) -> dict[str, 
     return found
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
-    """Exit status: 0, or 2 when the file cannot be written."""
-    layout = argparse.RawDescriptionHelpFormatter
-    parser = Parser(prog="testbed.identify_published", description=__doc__, formatter_class=layout)
-    parser.add_argument("--out", type=Path, default=CLASS_QUARTER_CARS, metavar="FILE", help="the result (JSON)")
-    options = parser.parse_args(arguments)
-    try:
-        check_writable(options.out)
-        each = len(SPEEDS) * len(PRESSURES)
-        by_class = {road: fitted(road, FIRST_SEED + each * i) for i, road in enumerate(CLASSES)}
-        document = {axle: {road: by_class[road][axle] for road in CLASSES} for axle in AXLES}
-        write_json(options.out, document)
-    except OSError as error:
-        print(f"testbed.identify_published: {error.filename or ''}: {error.strerror or error}", file=sys.stderr)
-        return 2
-    print(json.dumps(document, indent=1))
-    return 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())
+def document() -> dict[str, Any]:
+    """By axle and class, JSON values."""
+    each = len(SPEEDS) * len(PRESSURES)
+    by_class = {road: fitted(road, FIRST_SEED + each * i) for i, road in enumerate(CLASSES)}
+    return {axle: {road: by_class[road][axle] for road in CLASSES} for axle in AXLES}

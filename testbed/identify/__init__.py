@@ -1,0 +1,1 @@
+"""Models of the default car that estimators start from, identified on drives at known pressures."""
