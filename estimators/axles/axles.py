@@ -36,7 +36,8 @@ from estimators.car import GRAVITY, Car
 from estimators.detectors import CusumMean, Monitor
 from estimators.drive_log import WHEELS, Signal
 from estimators.estimator import Alarm, Estimate, Estimator, Outputs
-from estimators.grid import LATENCY, Cells, Channel, Grid
+from estimators.grid import Channel
+from estimators.grid_blocks import GridBlocks
 from estimators.quarter_car.quarter_car import quarter_masses
 from estimators.quarter_car.tyre_law import TyreLaw
 from estimators.vertical_pressure.intake import BLOCK
@@ -71,9 +72,8 @@ class Axles(Estimator):
         super().__init__(car)
         self._law = TyreLaw.of(car)
         self._loads = [sum(quarter_masses(car, wheel)) * GRAVITY for wheel in WHEELS]
-        self._grid = Grid(CHANNELS, _MS)
+        self._blocks = GridBlocks(CHANNELS, _MS, BLOCK)
         self._heard = np.zeros(len(CHANNELS), dtype=bool)
-        self._waiting: list[Cells] = []
         self._next: int | None = None
         self._identified: Identified | None = None
         self._start(maker_axles(car), {})
@@ -105,37 +105,14 @@ class Axles(Estimator):
 
     def update(self, samples: Mapping[str, Signal], until: float) -> Outputs:
         """See `Estimator.update`."""
-        flags = self._grid.add(samples)
-        cells, more = self._grid.close(until)
-        if len(cells.index):
-            self._waiting.append(cells)
-        closed = int(np.floor((until - LATENCY) / _MS + 1e-6)) // BLOCK
+        blocks, flags = self._blocks.add(samples, until)
         rows: Rows = {}
         alarms: list[Alarm] = []
-        for block, values in self._blocks(closed):
+        for block, values in blocks:
             self._step(block, values, alarms)
             if block % SAY == SAY - 1 and self._heard[:_NEEDED].all():
                 self._say((block + 1) * _SECONDS, rows)
-        return Outputs(
-            {name: _estimate(name, row) for name, row in rows.items()}, tuple(alarms), tuple(sorted([*flags, *more]))
-        )
-
-    def _blocks(self, closed: int) -> list[tuple[int, NDArray[np.float64]]]:
-        """Whole blocks before `closed` that hold samples: number, values (BLOCK, channels)."""
-        if not self._waiting:
-            return []
-        index = np.concatenate([cells.index for cells in self._waiting])
-        value = np.concatenate([cells.value for cells in self._waiting])
-        number = index // BLOCK
-        ready = number < closed
-        self._waiting = [Cells(index[~ready], index[~ready] * _MS, value[~ready])] if (~ready).any() else []
-        found = []
-        for block in np.unique(number[ready]).tolist():
-            inside = number == block
-            values = np.full((BLOCK, len(CHANNELS)), np.nan)
-            values[index[inside] - block * BLOCK] = value[inside]
-            found.append((block, values))
-        return found
+        return Outputs({name: _estimate(name, row) for name, row in rows.items()}, tuple(alarms), tuple(sorted(flags)))
 
     def _step(self, block: int, values: NDArray[np.float64], alarms: list[Alarm]) -> None:
         missed = 0 if self._next is None else block - self._next
