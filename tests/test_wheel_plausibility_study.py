@@ -106,7 +106,7 @@ def test_estimator_and_kernel_accuse_alike(drive: Heard) -> None:
     told = drive.end[np.flatnonzero(said[:, ACCUSED][:, 2] > 0.5)[0]] + LATENCY
     assert [alarm.wheels for alarm in alarms] == [("rl",)]
     assert alarms[0].time == pytest.approx(told, abs=1.5 * STEP)
-    assert "wheel/rl is +20 km/h off" in alarms[0].text
+    assert "speed +20 km/h off" in alarms[0].text
 
 
 def test_small_study_gives_the_rows_that_are_asked_for() -> None:

@@ -69,7 +69,7 @@ class WheelPlausibility(Estimator):
             time = float(centre[k]) + 0.5 * STEP + LATENCY
             for i in np.flatnonzero(now & ~before):
                 off = 3.6 * said[k, ERROR][i]
-                text = f"wheel/{WHEELS[i]} is {off:+.0f} km/h off the car's speed; {_RATE}"
+                text = f"speed {off:+.0f} km/h off the car's; {_RATE}"
                 alarms.append(Alarm(time, text, (WHEELS[i],)))
             flags += [Flag(time, f"wheel/{WHEELS[i]} agrees again") for i in np.flatnonzero(before & ~now)]
         if len(said):
