@@ -19,7 +19,7 @@ from testbed.study.wheel_plausibility.scenarios import CASES
 from testbed.study.wheel_plausibility.trials import SIZES, constant_errors, trials, with_errors
 from testbed.study.wheel_plausibility.truth import OUTLIER, SECOND, outliers, truth
 from testbed.study.wheel_plausibility.wheel_plausibility import WheelPlausibilityStudy
-from testbed.study.wheel_plausibility.work import said_of
+from testbed.study.wheel_plausibility.work import judged, said_of
 
 KMH = 1.0 / 3.6
 DRIVE = Scenario(road="B", manoeuvre="slalom", speed=60.0 * KMH, duration=12.0, seed=4, payload=200.0)
@@ -107,6 +107,22 @@ def test_estimator_and_kernel_accuse_alike(drive: Heard) -> None:
     assert [alarm.wheels for alarm in alarms] == [("rl",)]
     assert alarms[0].time == pytest.approx(told, abs=1.5 * STEP)
     assert "speed +20 km/h off" in alarms[0].text
+
+
+def test_a_case_with_an_error_is_judged_in_json_values(drive: Heard) -> None:
+    """30 km/h on one wheel for three seconds: real, told by all, and no false alarm."""
+    value = drive.value.copy()
+    value[5 * SECOND : 8 * SECOND, 1] += 30.0 * KMH / Car().rolling_radius
+    off = Heard(drive.index, drive.end, value, drive.forward, drive.speed, drive.yaw_rate)
+    found = json.loads(json.dumps(judged(off, Car(), np.random.default_rng(1))))
+    ((_, wheel, deviation),) = found["alarms"]
+    assert (wheel, round(3.6 * deviation)) == ("fr", 30)
+    assert found["false"]["monitor"] == 0
+    (real,) = found["real"]["monitor"]
+    assert real[0] == "fr"
+    assert real[1] == pytest.approx(3.0, abs=0.1)
+    assert real[2] < 0.8
+    assert max(found["peaks"]) < 0.1
 
 
 def test_small_study_gives_the_rows_that_are_asked_for() -> None:

@@ -45,7 +45,7 @@ def run(task: Mapping[str, Any]) -> dict[str, Any]:
         except (ValueError, Diverged) as error:  # a car that rolls over
             cases.append({"name": asked["name"], "group": asked["group"], "ended": str(error)})
             continue
-        found = _judged(drive, car, random)
+        found = judged(drive, car, random)
         cases.append({"name": asked["name"], "group": asked["group"], "ended": "", **found})
         if task["number"] == 0 and asked["name"] in EXAMPLES:
             example[asked["name"]] = _series(drive, car)
@@ -60,7 +60,8 @@ def said_of(drive: Heard, car: Car) -> NDArray[np.float64]:
     return said
 
 
-def _judged(drive: Heard, car: Car, random: np.random.Generator) -> dict[str, Any]:
+def judged(drive: Heard, car: Car, random: np.random.Generator) -> dict[str, Any]:
+    """What is said of a case, JSON values, see the module."""
     of, said = truth(drive, car), said_of(drive, car)
     accused = {"monitor": said[:, ACCUSED] > 0.5}
     kmh = drive.value[:, :4] * car.rolling_radius / KMH
@@ -92,7 +93,7 @@ def _alarms(drive: Heard, of: Truth, accused: NDArray[np.bool_]) -> list[list[An
 
 
 def _false(of: Truth, accused: NDArray[np.bool_]) -> int:
-    return sum(of.worst[k, i] < OUTLIER for k, i in _raised(of, accused))
+    return sum(bool(of.worst[k, i] < OUTLIER) for k, i in _raised(of, accused))
 
 
 def _real(drive: Heard, of: Truth, accused: NDArray[np.bool_], method: str) -> list[list[Any]]:
@@ -106,11 +107,12 @@ def _real(drive: Heard, of: Truth, accused: NDArray[np.bool_], method: str) -> l
 
 
 def _peaks(of: Truth, said: NDArray[np.float64]) -> list[float]:
-    """Largest evidence of each whole SECOND in which, and before which, no wheel was an outlier."""
+    """Largest evidence of each whole SECOND in which no wheel was an outlier, nor in the two before, in which what an
+    outlier left runs down."""
     found = []
     for start in range(SECOND, of.end - SECOND + 1, SECOND):
         span = slice(start, start + SECOND)
-        if of.worst[span].max() < OUTLIER and np.isfinite(said[span, EVIDENCE]).all():
+        if of.worst[start - SECOND : start + SECOND].max() < OUTLIER and np.isfinite(said[span, EVIDENCE]).all():
             found.append(float(said[span, EVIDENCE].max()))
     return found
 
