@@ -123,6 +123,7 @@ def test_a_case_with_an_error_is_judged_in_json_values(drive: Heard) -> None:
     assert real[1] == pytest.approx(3.0, abs=0.1)
     assert real[2] < 0.8
     assert max(found["peaks"]) < 0.1
+    assert 0.0 < found["speed_error"][0] < found["speed_error"][1] < 0.5
 
 
 def test_small_study_gives_the_rows_that_are_asked_for() -> None:

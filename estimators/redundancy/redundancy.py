@@ -43,7 +43,7 @@ class Redundancy(Estimator):
     """See the module's text."""
 
     name = "redundancy"
-    opt_in = True  # false alarms are far more frequent than designed, see `numbers`
+    opt_in = True  # the designed rate is not shown yet: too few hours
     requires = ("imu/gyro", "imu/accel", *(f"wheel/{wheel}/speed" for wheel in WHEELS))
     reads = (*requires, "driveline/torque", "steering/angle")
 

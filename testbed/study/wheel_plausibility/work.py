@@ -67,7 +67,7 @@ def judged(drive: Heard, car: Car, random: np.random.Generator) -> dict[str, Any
     kmh = drive.value[:, :4] * car.rolling_radius / KMH
     for method in METHODS:
         accused[method] = published(method, kmh, STEP).accused
-    moving = (np.arange(len(said)) < of.end) & (drive.forward > MOVING)
+    moving = (np.arange(len(said)) < of.end) & (drive.forward > MOVING) & np.isfinite(said[:, SPEED])
     error = np.abs(said[moving, SPEED] - drive.forward[moving])
     steer = np.nan_to_num(drive.value[:, 6]) / car.steering_ratio
     return {
