@@ -40,6 +40,7 @@ from estimators.grid import Channel
 from estimators.grid_blocks import GridBlocks
 from estimators.quarter_car.quarter_car import quarter_masses
 from estimators.quarter_car.tyre_law import TyreLaw
+from estimators.vertical_pressure.bank import QUIET
 from estimators.vertical_pressure.intake import BLOCK
 
 SAY = 2  # blocks from one estimate to the next
@@ -129,7 +130,7 @@ class Axles(Estimator):
                 self._intakes[s].skip()
                 continue
             window = self._intakes[s].block(values[:, s], values[:, 2 + s], speed)
-            if window is not None:
+            if window is not None and np.mean(window**2, axis=0).min() > QUIET:  # else the sensors hear themselves
                 self._take(s, window, (block + 1) * _SECONDS, alarms)
 
     def _take(self, s: int, window: NDArray[np.float64], time: float, alarms: list[Alarm]) -> None:

@@ -25,6 +25,8 @@ SPEED_STEP = 0.05  # of ln speed: the footprint is a fortieth wrong at most
 _KEPT = 256  # designs, 60 kB each
 SENSOR_STD = 0.5  # m/s^2 at 1 kHz: the paper's data sheet
 SENSOR_VARIANCE = SENSOR_STD**2 / (RATE * STEP)  # of a decimated sample: the same density over its narrower band
+# (m/s^2)^2: below it the sensor hears itself and no road; the lowest level at the slowest speed makes twice as much
+QUIET = 3.0 * SENSOR_VARIANCE
 STATES = FIRST_LOW_PASS + len(analogue()[1])
 
 

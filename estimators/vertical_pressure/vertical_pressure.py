@@ -12,7 +12,8 @@ here the road is noise of unknown level, and a bank of linear filters over stiff
     road/A ... road/D  probability of each class, mean of the wheels; A and D with what lies beyond [-]
 
 The std holds a relative share that no driving removes (`corner`). Says nothing below `SLOWEST`, where the road's short
-waves are shorter than the footprint. Body acceleration is not used (`innovations`). What it cannot see: payload moves
+waves are shorter than the footprint, and learns nothing where the hub hears no road (`bank.QUIET`). Body acceleration
+is not used (`innovations`). What it cannot see: payload moves
 pressure by 1 kPa for 10 % of load; the sensor's scale error does not matter.
 """
 
@@ -31,7 +32,7 @@ from estimators.grid import Channel
 from estimators.grid_blocks import GridBlocks
 from estimators.quarter_car.quarter_car import quarter_masses
 from estimators.quarter_car.tyre_law import TyreLaw
-from estimators.vertical_pressure.bank import AxleBank, at_rest, hear
+from estimators.vertical_pressure.bank import QUIET, AxleBank, at_rest, hear
 from estimators.vertical_pressure.corner import (
     TYRES,
     Corner,
@@ -82,6 +83,8 @@ class _Wheel:
         hear(A, c, K, S, samples, self._x, self._summed)
         if self.intake.settling > 0:
             self.intake.settling -= len(samples)
+            return
+        if np.mean(samples**2) < QUIET:
             return
         self.posterior.take(self._summed, S, len(samples))
         self.limit.hear(BLOCK * _MS, bank.quarter, float(self.posterior.stiffness() @ LOG_STIFFNESS))
