@@ -159,7 +159,7 @@ def rolled(seed: int, seconds: float, common: float = 1.0) -> tuple[NDArray[np.f
 
 
 def followed(front: NDArray[np.float64], rear: NDArray[np.float64]) -> Side:
-    side = Side(known(PLAIN), np.log(np.array([240e3, 240e3])), 0.3)
+    side = Side(known(PLAIN), np.log(np.array([240e3, 240e3])), np.full(2, 0.3))
     intake = SideIntake(WHEELBASE)
     for k in range(0, len(front) - BLOCK + 1, BLOCK):
         side.pass_time(BLOCK * 1e-3)

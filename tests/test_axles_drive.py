@@ -5,6 +5,7 @@ from __future__ import annotations
 from functools import cache
 
 import numpy as np
+import pytest
 
 from estimators.axles.calibration import Identified, to_document
 from estimators.axles.response import Axles
@@ -24,8 +25,8 @@ DOCUMENT = to_document(
 
 
 @cache
-def said(lossy: str, yaw_rate: float = 0.0) -> tuple[dict[str, Signal], tuple[tuple[float, tuple[str, ...]], ...]]:
-    """What it says of a drive in which one wheel loses stiffness at LOSS_AT, "" for none; its alarms."""
+def driven(lossy: str, yaw_rate: float) -> DriveLog:
+    """A drive in which one wheel loses stiffness at LOSS_AT, "" for none."""
     rng = np.random.default_rng(4)
     lag, steps = round(2000.0 * CAR.wheelbase / SPEED), round(2000.0 * SECONDS) | 1
     time = np.arange((steps + 1) // 2) * 1e-3
@@ -40,8 +41,17 @@ def said(lossy: str, yaw_rate: float = 0.0) -> tuple[dict[str, Signal], tuple[tu
             turn = np.full(len(time[::10]), SPEED / CAR.rolling_radius)
             signals[f"wheel/{WHEELS[w]}/speed"] = Signal(time[::10], turn, "rad/s")
     signals["imu/gyro"] = Signal(time[::10], np.tile([0.0, 0.0, yaw_rate], (len(time[::10]), 1)), "rad/s")
-    bank = Bank(["axles"], CAR, {"axles": DOCUMENT})
-    words = run_bank(bank, DriveLog(signals))
+    return DriveLog(signals)
+
+
+@cache
+def said(
+    lossy: str, yaw_rate: float = 0.0, expected: tuple[float, float] | None = None
+) -> tuple[dict[str, Signal], tuple[tuple[float, tuple[str, ...]], ...]]:
+    """What it says, expecting that mean and std of its tyres' pressure [Pa]; its alarms."""
+    tyres = {} if expected is None else {"tyres": dict(zip(("pressure", "pressure_std"), expected, strict=True))}
+    bank = Bank(["axles"], CAR, {"axles": DOCUMENT | tyres})
+    words = run_bank(bank, driven(lossy, yaw_rate))
     return words, tuple((a.time, a.wheels) for a in bank.alarms["axles"])
 
 
@@ -68,3 +78,20 @@ def test_a_sound_car_raises_no_alarm_and_measures_that_its_road_is_shared() -> N
 def test_in_a_curve_the_shared_road_is_withdrawn_and_the_std_says_so() -> None:
     straight, curve = (said("", rate)[0]["est/axles/left/difference/std"].value[-1] for rate in (0.0, 0.3))
     assert curve > 3.0 * straight
+
+
+def test_what_is_expected_of_the_tyres_is_where_it_begins_and_less_where_it_ends() -> None:
+    """The first word against the prior, the last against what it would say without."""
+    at, std = 150e3, 15e3
+    wide, narrow = (said("", 0.0, expected)[0] for expected in (None, (at, std)))
+    for wheel in WHEELS:
+        first, last = (narrow[f"est/axles/{wheel}/pressure"].value[i] for i in (0, -1))
+        assert abs(first - at) < 3.0 * std
+        spread = wide[f"est/axles/{wheel}/pressure/std"].value
+        assert narrow[f"est/axles/{wheel}/pressure/std"].value[0] < 0.5 * spread[0]
+        assert abs(last - at) > 0.5 * abs(wide[f"est/axles/{wheel}/pressure"].value[-1] - at)
+
+
+def test_an_expectation_that_is_none_is_refused() -> None:
+    with pytest.raises(ValueError, match="calibration of tyres: pressure_std is -1"):
+        Bank(["axles"], CAR, {"axles": DOCUMENT | {"tyres": {"pressure": 180e3, "pressure_std": -1.0}}})

@@ -41,11 +41,12 @@ from estimators.grid_blocks import GridBlocks
 from estimators.quarter_car.quarter_car import quarter_masses
 from estimators.quarter_car.tyre_law import TyreLaw
 from estimators.vertical_pressure.bank import QUIET
+from estimators.vertical_pressure.corner import expected_pressure
 from estimators.vertical_pressure.intake import BLOCK
 
 SAY = 2  # blocks from one estimate to the next
 SLOWEST, FASTEST = 7.0, 90.0  # m/s
-PRIOR_STD, USUAL_SPEED = 0.18, 20.0  # of ln k, m/s. Declared: tyres in use, leaks among them
+USUAL_SPEED = 20.0  # m/s of the prior
 SIDES = ("left", "right")
 SOUND = "sound"  # of a calibration: d and its std by side
 ALARM_TEXT = "against the other tyre of its side; false alarms: one in 100 h"
@@ -77,23 +78,29 @@ class Axles(Estimator):
         self._heard = np.zeros(len(CHANNELS), dtype=bool)
         self._next: int | None = None
         self._identified: Identified | None = None
-        self._start(maker_axles(car), {})
+        self._start(maker_axles(car), {}, expected_pressure(car, {}))
 
-    def _start(self, known: Identified, sound: Mapping[str, tuple[float, float]]) -> None:
+    def _start(
+        self, known: Identified, sound: Mapping[str, tuple[float, float]], expected: tuple[float, float]
+    ) -> None:
         self._known = known
         self._watches = [Watch(sound.get(name)) for name in SIDES]
         self._commons = [Monitor(CusumMean(COMMON_DRIFT, COMMON_THRESHOLD, "both"), "restart") for _ in SIDES]
         self._moved = [False, False]
-        usual = [float(np.log(self._law.stiffness_at(self.car.pressure, USUAL_SPEED, load))) for load in self._loads]
-        self._sides = [Side(known, np.array([usual[s], usual[2 + s]]), PRIOR_STD) for s in range(2)]
+        pressure, pressure_std = expected
+        usual = np.array([self._law.stiffness_at(pressure, USUAL_SPEED, load) for load in self._loads])
+        slopes = [self._law.pressure_std(k, USUAL_SPEED, load) for k, load in zip(usual, self._loads, strict=True)]
+        std = pressure_std / np.array(slopes)
+        self._sides = [Side(known, np.log(usual[s::2]), std[s::2]) for s in range(2)]
         self._intakes = [SideIntake(known.axles.wheelbase) for _ in range(2)]
         self._motions: list[Motion] = []
 
     def use_calibration(self, document: Mapping[str, Any]) -> None:
-        """The identified axles, see `calibration`, and under `sound` what this car's differences were."""
-        sound = sound_from(document.get(SOUND, {}))
+        """The identified axles, see `calibration`, under `sound` what this car's differences were, and under `tyres`
+        what is expected of them, see `vertical_pressure.corner`."""
+        sound, expected = sound_from(document.get(SOUND, {})), expected_pressure(self.car, document)
         self._identified = from_document(document)
-        self._start(self._identified, sound)
+        self._start(self._identified, sound, expected)
 
     def calibration(self) -> dict[str, Any] | None:
         """The axles it was given, which are identified at known pressures, and the differences that it has learnt, of

@@ -84,9 +84,9 @@ def settle(axles, theta, P, Y, speed, stretch, shape, bend, gamma, noise, band, 
 class _State:
     """theta, P: see above; shared: 1 with the coherency, 0 without."""
 
-    def __init__(self, log_stiffness: NDArray[np.float64], std: float, shared: float) -> None:
+    def __init__(self, log_stiffness: NDArray[np.float64], std: NDArray[np.float64], shared: float) -> None:
         self.theta = np.concatenate([log_stiffness, [np.log(4e-6), 0.0], np.full(BANDS, OPEN_ROAD)])
-        self.P = np.diag(np.array([std, std, LEVEL_STD, SHIFT_STD, *[OPEN_STD] * BANDS]) ** 2)
+        self.P = np.diag(np.array([*std, LEVEL_STD, SHIFT_STD, *[OPEN_STD] * BANDS]) ** 2)
         self._shared = shared
         self._score, self._J = np.zeros(STATES), np.zeros((STATES, STATES))
 
@@ -115,8 +115,8 @@ class _State:
 class Side:
     """Front and rear wheel of one side."""
 
-    def __init__(self, known: Identified, log_stiffness: NDArray[np.float64], std: float) -> None:
-        """log_stiffness: of front and rear [ln N/m], prior, (2,); std: of each."""
+    def __init__(self, known: Identified, log_stiffness: NDArray[np.float64], std: NDArray[np.float64]) -> None:
+        """log_stiffness: of front and rear [ln N/m], prior, (2,); std: of each, (2,)."""
         self._known = known
         self._joint, self._alone = _State(log_stiffness, std, 1.0), _State(log_stiffness, std, 0.0)
 
