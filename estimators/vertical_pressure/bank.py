@@ -1,9 +1,11 @@
-"""The bank of steady filters over stiffness and road level, for the present speed, of one axle's two wheels.
+"""The bank of linear filters over stiffness and road, for the present speed, of one axle's two wheels.
 
-Nodes: `STIFFNESSES` (6 % apart) times `LEVELS` (a factor 4 apart; what lies between is `posterior`'s). Filters depend
-on speed through the road's intensity and the footprint's delay; they are designed when the speed has moved by
-`SPEED_STEP` and kept for when it comes back. All of them hear every sample, whatever they are believed, so that the
-right one has settled when the road changes. State of each filter as in `chain`.
+Nodes: `STIFFNESSES` (13 % apart), the road's two slopes (`roughness`), and levels lambda (`LEVELS`, a factor 16 apart:
+only the sensor's noise, which is not in proportion to the level, makes a filter of one level unfit for another; what
+lies between all nodes is `posterior`'s). Each filter is the best linear prediction of a sample from those of the last
+second (`prediction`). Filters depend on speed through the waves that it makes of the road and the footprint's delay;
+they are designed when the speed has moved by `SPEED_STEP` and kept for when it comes back. All of them hear every
+sample, whatever they are believed.
 """
 
 from __future__ import annotations
@@ -15,51 +17,72 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimators.compiled import compiled
-from estimators.vertical_pressure.anti_alias import RATE, STEP, analogue
-from estimators.vertical_pressure.chain import FIRST_LOW_PASS, Quarter, continuous, sampled
-from estimators.vertical_pressure.innovations import filter_from, step
+from estimators.vertical_pressure.anti_alias import RATE, STEP
+from estimators.vertical_pressure.chain import Quarter
+from estimators.vertical_pressure.hub_spectrum import autocovariance
+from estimators.vertical_pressure.innovations import ERROR_UNIT
+from estimators.vertical_pressure.prediction import MEMORY, predictors
+from estimators.vertical_pressure.roughness import LONG, SHORT
 
-STIFFNESSES = np.exp(np.linspace(math.log(95e3), math.log(370e3), 24))  # N/m
-LEVELS = 1e-6 * 4.0 ** np.arange(-1.0, 5.0)  # G at 1 rad/m [m^3/rad]: half of class A's lower limit to class E
+STIFFNESSES = np.exp(np.linspace(math.log(95e3), math.log(370e3), 12))  # N/m
+LEVELS = 0.0625e-6 * 16.0 ** np.arange(4.0)  # lambda [m^3/rad]; above the last one the sensor is silent
+NODES = (len(STIFFNESSES), len(LONG), len(SHORT), len(LEVELS))  # in this order
 SPEED_STEP = 0.05  # of ln speed: the footprint is a fortieth wrong at most
-_KEPT = 256  # designs, 60 kB each
+_KEPT = 96  # designs, 600 kB each
 SENSOR_STD = 0.5  # m/s^2 at 1 kHz: the paper's data sheet
 SENSOR_VARIANCE = SENSOR_STD**2 / (RATE * STEP)  # of a decimated sample: the same density over its narrower band
 # (m/s^2)^2: below it the sensor hears itself and no road; the lowest level at the slowest speed makes twice as much
 QUIET = 3.0 * SENSOR_VARIANCE
-STATES = FIRST_LOW_PASS + len(analogue()[1])
+_MEMORY = MEMORY
+
+
+def design(quarter: Quarter, speed: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Filters (MEMORY + 1, all nodes), over their innovations' standard deviation for lambda = 1, and ln of its square,
+    NODES. Speed [m/s]."""
+    covariance = autocovariance(quarter, STIFFNESSES, speed, LONG, SHORT, MEMORY)
+    white = quarter.hub_error * ERROR_UNIT * speed + SENSOR_VARIANCE / LEVELS
+    flat = covariance.reshape(-1, MEMORY + 1)
+    filters, log_variance = np.empty((len(flat), len(white), MEMORY + 1)), np.empty((len(flat), len(white)))
+    predictors(flat, white, filters, log_variance)
+    return np.ascontiguousarray(filters.reshape(-1, MEMORY + 1).T), log_variance.reshape(NODES)
 
 
 @compiled
-def design(quarter, speed, low, stiffnesses, levels, sensor_variance, dt):
-    """(A (k, n, n), c (k, n), K (k, l, n), S (k, l)) of all nodes; S in units of their level."""
-    n, k, m = FIRST_LOW_PASS + len(low[1]), len(stiffnesses), len(levels)
-    A, c, K, S = np.empty((k, n, n)), np.empty((k, n)), np.empty((k, m, n)), np.empty((k, m))
-    for i in range(k):
-        M, b, C = continuous(quarter, stiffnesses[i], speed, low[0], low[1], low[2])
-        A[i], Q = sampled(M, b, dt)
-        c[i] = C[1]
-        for j in range(m):
-            K[i, j], S[i, j] = filter_from(A[i], c[i], Q, speed, quarter.hub_error, levels[j], sensor_variance)
-    return A, c, K, S
-
-
-@compiled
-def hear(A, c, K, S, samples, x, summed):
-    """Runs all filters over samples (n,); x (k, l, n) moves on; summed (k, l) gets the sums of nu^2 / S."""
-    scratch = np.empty(A.shape[1])
+def hear(filters, heard, summed):
+    """Sums of nu^2 / S over the samples of heard (MEMORY + n,) after the first MEMORY, n a multiple of 4, into summed
+    (m,); filters (MEMORY + 1, m). Filters run side by side, four samples at a time, which a processor's vectors like.
+    """
+    m = filters.shape[1]
+    nu0, nu1, nu2, nu3 = np.empty(m), np.empty(m), np.empty(m), np.empty(m)
     summed[:] = 0.0
-    for i in range(K.shape[0]):
-        for j in range(K.shape[1]):
-            for t in range(len(samples)):
-                nu = step(A[i], c[i], K[i, j], x[i, j], scratch, samples[t])
-                summed[i, j] += nu * nu / S[i, j]
+    for t in range(_MEMORY, len(heard), 4):
+        nu0[:] = 0.0
+        nu1[:] = 0.0
+        nu2[:] = 0.0
+        nu3[:] = 0.0
+        for j in range(_MEMORY + 1):
+            row = filters[j]
+            y0, y1, y2, y3 = heard[t - j], heard[t - j + 1], heard[t - j + 2], heard[t - j + 3]
+            for i in range(m):
+                a = row[i]
+                nu0[i] += a * y0
+                nu1[i] += a * y1
+                nu2[i] += a * y2
+                nu3[i] += a * y3
+        for i in range(m):
+            summed[i] += nu0[i] * nu0[i] + nu1[i] * nu1[i] + nu2[i] * nu2[i] + nu3[i] * nu3[i]
+
+
+def heard_by(filters: NDArray[np.float64], heard: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The same, by node, NODES; filters of `design`."""
+    summed = np.empty(filters.shape[1])
+    hear(filters, heard, summed)
+    return summed.reshape(NODES)
 
 
 @lru_cache(maxsize=_KEPT)
-def _designed(quarter: Quarter, place: int) -> tuple[NDArray, NDArray, NDArray, NDArray]:
-    speed = math.exp(place * SPEED_STEP)
-    return design(quarter, speed, analogue(), STIFFNESSES, LEVELS, SENSOR_VARIANCE, STEP)
+def _designed(quarter: Quarter, place: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    return design(quarter, math.exp(place * SPEED_STEP))
 
 
 class AxleBank:
@@ -69,14 +92,10 @@ class AxleBank:
         self.quarter = quarter
         self._place: int | None = None
 
-    def at(self, speed: float) -> tuple[NDArray, NDArray, NDArray, NDArray]:
+    def at(self, speed: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """`design` for a speed [m/s]; shared, not to be written to."""
         exact = math.log(speed) / SPEED_STEP
         if self._place is None or abs(exact - self._place) > 0.75:
             self._place = round(exact)
         return _designed(self.quarter, self._place)
 
-
-def at_rest() -> NDArray[np.float64]:
-    """States of one wheel's filters at the start."""
-    return np.zeros((len(STIFFNESSES), len(LEVELS), STATES))

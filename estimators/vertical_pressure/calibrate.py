@@ -15,25 +15,25 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from estimators.vertical_pressure.bank import LEVELS, STIFFNESSES, AxleBank, at_rest, hear
+from estimators.vertical_pressure.bank import AxleBank, heard_by
 from estimators.vertical_pressure.chain import Quarter
 from estimators.vertical_pressure.corner import Corner
 from estimators.vertical_pressure.identify import SETTLE, KnownDrive
-from estimators.vertical_pressure.posterior import CUBIC, LOG_LEVEL, LOG_STIFFNESS, block_likelihood, moments, taken
+from estimators.vertical_pressure.posterior import LOG_STIFFNESS, Posterior, moments
+from estimators.vertical_pressure.prediction import MEMORY
 
 SCALED = ("sprung_mass", "unsprung_mass", "belt_mass", "spring_rate", "damping")
 LEAST_STD = 0.003  # Declared: no tuning drives show less
 
 
 def log_stiffness(quarter: Quarter, drive: KnownDrive) -> tuple[float, float]:
-    """Mean and std of ln k_t after a whole drive of one stiffness and one level, both unknown beforehand."""
-    A, c, K, S = AxleBank(quarter).at(drive.speed)
-    x, summed = at_rest(), np.empty((len(STIFFNESSES), len(LEVELS)))
-    hear(A, c, K, S, drive.samples[:SETTLE].copy(), x, summed)
-    hear(A, c, K, S, drive.samples[SETTLE:].copy(), x, summed)
-    p = np.full((len(LOG_STIFFNESS), len(LOG_LEVEL)), 1.0 / (len(LOG_STIFFNESS) * len(LOG_LEVEL)))
-    taken(p, block_likelihood(summed, S, len(drive.samples) - SETTLE, LOG_LEVEL, CUBIC))
-    return moments(p.sum(axis=1), LOG_STIFFNESS)
+    """Mean and std of ln k_t after a whole drive of one stiffness and one road, both unknown beforehand."""
+    filters, log_variance = AxleBank(quarter).at(drive.speed)
+    count = (len(drive.samples) - SETTLE) // 4 * 4
+    heard = drive.samples[SETTLE - MEMORY : SETTLE + count].copy()
+    posterior = Posterior(np.ones(len(LOG_STIFFNESS)))
+    posterior.take(heard_by(filters, heard), log_variance, count)
+    return moments(posterior.stiffness(), LOG_STIFFNESS)
 
 
 def errors(quarter: Quarter, drives: Sequence[KnownDrive]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

@@ -1,73 +1,146 @@
-"""What the bank's likelihoods say of one wheel: a probability over stiffness and road level, both continuous.
+"""What the bank's likelihoods say of one wheel: a probability over stiffness and road, all continuous.
 
-A hidden Markov model (Rabiner, Proc. IEEE 77, 1989, forward algorithm) on a grid of ln k_t (1.2 % apart) and ln G (7
-% apart). Between the bank's nodes the log-likelihood of a block of samples is interpolated: over stiffness by cubics,
-over level by each filter's own law of the level (`innovations`), blended between its two neighbours. From block to
-block the stiffness drifts (warming) and may jump (a leak, `STIFFNESS_JUMPS`), the level drifts and may jump (another
-road). This is the multiple-model estimate in which a mode is a pair of stiffness and level; the single filters need
-no mixing, since they are at rest and hear everything.
+A hidden Markov model (Rabiner, Proc. IEEE 77, 1989, forward algorithm) on a grid of the road's long slope w_l, its
+short slope w_s (0.2 apart), ln k_t (2.5 % apart) and ln lambda (25 % apart; both finer than what is ever known of them,
+given the drifts). Over the level each filter has its own law of the log-likelihood of a block of N samples,
+
+    -(s / lambda + N ln lambda + N ln S) / 2,    s = sum nu^2 / S
+
+blended between the nodes of the level; over w_s and stiffness ln s and ln S are interpolated by cubics: s itself, and
+the likelihood, rise too steeply where a soft tyre's long footprint blinds a slow car's filter. From block to block the stiffness drifts (warming) and may jump (a leak), the road's
+level and short slope drift, and the road may jump: another surface, of which no more is known than at the start. That
+level and slope wander costs next to nothing: unknown they are anyway, and what is lost with them is lost in each
+second alike. This is the multiple-model estimate in which a mode is a stiffness and a road; the single filters need no
+mixing, since they hear everything.
 """
 
 from __future__ import annotations
+
+import math
 
 import numpy as np
 from numpy.typing import NDArray
 
 from estimators.compiled import compiled
 from estimators.vertical_pressure.bank import LEVELS, STIFFNESSES
+from estimators.vertical_pressure.roughness import LONG, SHORT, prior
 
-PER_STIFFNESS, PER_LEVEL = 5, 20  # fine cells a node
+PER_STIFFNESS, PER_SHORT, PER_LEVEL = 5, 2, 11  # fine cells a node
+HIGHEST_LEVEL = 1e-3  # lambda [m^3/rad]: class E and F
 # Declared, not tuned. 0.1 % in a second: what warming does in a minute; a sudden leak once in a quarter of an hour
 STIFFNESS_DRIFT, STIFFNESS_JUMPS = 1e-3, 1e-3  # std of ln k_t after 1 s; a second
-# 3 % in a second: a class in ten minutes; another surface twice a minute at most
-LEVEL_DRIFT, LEVEL_JUMPS = 0.03, 0.03
-_FIRST, _LAST = np.log(STIFFNESSES[[0, -1]])
-LOG_STIFFNESS = np.linspace(_FIRST, _LAST, (len(STIFFNESSES) - 1) * PER_STIFFNESS + 1)
-LOG_LEVEL = np.linspace(np.log(LEVELS[0]), np.log(LEVELS[-1]), (len(LEVELS) - 1) * PER_LEVEL + 1)
+# 15 % of level and 0.03 of w_s in a second; another surface twice a minute at most
+LEVEL_DRIFT, SHORT_DRIFT, ROAD_JUMPS = 0.15, 0.03, 0.03
+TINY = 1e-300
 
 
-def _cubic() -> NDArray[np.float64]:
-    """Lagrange weights from the nodes to the fine stiffnesses, (fine, nodes)."""
-    nodes = len(STIFFNESSES)
-    place = np.arange(len(LOG_STIFFNESS)) / PER_STIFFNESS
-    weights = np.zeros((len(place), nodes))
-    for f, at in enumerate(place):
-        first = min(max(int(at) - 1, 0), nodes - 4)
-        for a in range(first, first + 4):
-            others = [b for b in range(first, first + 4) if b != a]
-            weights[f, a] = np.prod([(at - b) / (a - b) for b in others])
-    return weights
+_C = tuple(1.0 / math.factorial(k) for k in range(11))  # of the exponential
 
 
-CUBIC = _cubic()
+def _fine(nodes: NDArray[np.float64], per: int) -> NDArray[np.float64]:
+    return np.linspace(nodes[0], nodes[-1], (len(nodes) - 1) * per + 1)
 
 
-@compiled
-def block_likelihood(summed, S, count, log_level, cubic):
-    """Log-likelihood of a block of `count` samples on the fine grid, (stiffnesses, levels); summed, S as the bank's."""
-    nodes, rough = summed.shape
-    fine = len(log_level)
-    at_nodes = np.empty((nodes, fine))
-    for f in range(fine):
-        j = min(f // PER_LEVEL, rough - 2)
-        share = f / PER_LEVEL - j
-        G = np.exp(log_level[f])
-        for i in range(nodes):
-            low = summed[i, j] / G + count * (log_level[f] + np.log(S[i, j]))
-            high = summed[i, j + 1] / G + count * (log_level[f] + np.log(S[i, j + 1]))
-            at_nodes[i, f] = -0.5 * ((1.0 - share) * low + share * high)
-    return cubic @ at_nodes
+LOG_STIFFNESS = _fine(np.log(STIFFNESSES), PER_STIFFNESS)
+FINE_SHORT = _fine(SHORT, PER_SHORT)
+_CELL_LEVEL = float(np.log(LEVELS[1] / LEVELS[0])) / PER_LEVEL
+LOG_LEVEL = np.log(LEVELS[0]) + _CELL_LEVEL * np.arange(round(np.log(HIGHEST_LEVEL / LEVELS[0]) / _CELL_LEVEL) + 1)
+SHAPE = (len(LONG), len(FINE_SHORT), len(LOG_STIFFNESS), len(LOG_LEVEL))
+
+
+def cubic(nodes: int, per: int) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+    """Lagrange through the four nearest of evenly spaced nodes: the first of them and their weights, (fine,) and
+    (fine, 4)."""
+    place = np.arange((nodes - 1) * per + 1) / per
+    first = np.clip(place.astype(np.int64) - 1, 0, nodes - 4)
+    u = place - first
+    weights = [np.prod([(u - b) / (a - b) for b in range(4) if b != a], axis=0) for a in range(4)]
+    return first, np.ascontiguousarray(np.transpose(weights))
+
+
+_FIRST_K, _WEIGHT_K = cubic(len(STIFFNESSES), PER_STIFFNESS)
+_FIRST_S, _WEIGHT_S = cubic(len(SHORT), PER_SHORT)
 
 
 @compiled
-def taken(p, likelihood):
-    """Bayes: p (stiffnesses, levels) times exp(likelihood), normalised, in place."""
-    highest = likelihood.max()
-    total = 0.0
-    for i in range(p.shape[0]):
-        for f in range(p.shape[1]):
-            p[i, f] *= np.exp(likelihood[i, f] - highest)
-            total += p[i, f]
+def between(nodes, first_s, weight_s, first_k, weight_k, out):
+    """From nodes (stiffnesses, longs, shorts, levels) to fine stiffnesses and short slopes, out (longs, fine shorts,
+    fine stiffnesses, levels)."""
+    stiffnesses, longs, _, levels = nodes.shape
+    along = np.empty((stiffnesses, levels))
+    for a in range(longs):
+        for s in range(len(first_s)):
+            n = first_s[s]
+            w0, w1, w2, w3 = weight_s[s]
+            for i in range(stiffnesses):
+                for j in range(levels):
+                    along[i, j] = (
+                        w0 * nodes[i, a, n, j]
+                        + w1 * nodes[i, a, n + 1, j]
+                        + w2 * nodes[i, a, n + 2, j]
+                        + w3 * nodes[i, a, n + 3, j]
+                    )
+            for k in range(len(first_k)):
+                n = first_k[k]
+                w0, w1, w2, w3 = weight_k[k]
+                for j in range(levels):
+                    out[a, s, k, j] = w0 * along[n, j] + w1 * along[n + 1, j] + w2 * along[n + 2, j] + w3 * along[n + 3, j]
+
+
+@compiled
+def likelihood(log_summed, log_variance, count, per_level, log_level, out):
+    """Log-likelihood of a block of `count` samples of all cells, out (cells, levels); its largest value. log_summed,
+    log_variance (cells, level nodes): ln s and ln S of the filters."""
+    columns, rough = len(log_level), log_summed.shape[1]
+    top = np.full(columns, -np.inf)
+    over, level = -0.5 * np.exp(-log_level), -0.5 * count * log_level
+    for i in range(out.shape[0]):
+        row = out[i]
+        for j in range(rough - 1):
+            s, V = np.exp(log_summed[i, j]), -0.5 * count * log_variance[i, j]
+            more_s, more_V = np.exp(log_summed[i, j + 1]) - s, -0.5 * count * log_variance[i, j + 1] - V
+            first = j * per_level
+            for f in range(first, min(first + per_level, columns) if j < rough - 2 else columns):
+                share = min((f - first) / per_level, 1.0)
+                row[f] = over[f] * (s + share * more_s) + V + share * more_V + level[f]
+        for f in range(columns):
+            top[f] = row[f] if row[f] > top[f] else top[f]
+    return top.max()
+
+
+@compiled
+def taken(p, log_likelihood, highest):
+    """Bayes: p times exp(log_likelihood), normalised, in place; both (cells, levels). highest: of log_likelihood.
+
+    The exponential is one that a processor's vectors can do: the 64th power of a Taylor polynomial, to 1e-10; cells
+    that are e^-64 less likely than the best are taken for that.
+    """
+    rows, columns = p.shape
+    totals = np.zeros(columns)
+    for i in range(rows):
+        for f in range(columns):
+            x = log_likelihood[i, f] - highest
+            x = (x if x > -64.0 else -64.0) * (1.0 / 64.0)
+            y = _C[10]
+            y = y * x + _C[9]
+            y = y * x + _C[8]
+            y = y * x + _C[7]
+            y = y * x + _C[6]
+            y = y * x + _C[5]
+            y = y * x + _C[4]
+            y = y * x + _C[3]
+            y = y * x + _C[2]
+            y = y * x + 1.0
+            y = y * x + 1.0
+            y *= y
+            y *= y
+            y *= y
+            y *= y
+            y *= y
+            y *= y
+            p[i, f] *= y
+            totals[f] += p[i, f]
+    total = totals.sum()
     if total > 0.0 and np.isfinite(total):
         p /= total
     else:
@@ -75,60 +148,90 @@ def taken(p, likelihood):
 
 
 @compiled
-def moved_on(p, prior, drift_k, jump_k, drift_l, jump_l):
-    """The grid one block on, in place. drift: share of a cell that goes to each neighbour; jump: of it, by the prior
-    of the stiffness, or to every level."""
-    rows, columns = p.shape
-    old = p.copy()
-    for i in range(rows):
-        for f in range(columns):
-            value = old[i, f]
-            up, down = min(i + 1, rows - 1), max(i - 1, 0)
-            p[i, f] = value + drift_k * (old[up, f] + old[down, f] - 2.0 * value)
-    for f in range(columns):
-        total = p[:, f].sum()
-        for i in range(rows):
-            p[i, f] += jump_k * (prior[i] * total - p[i, f])
-    for i in range(rows):
-        old[i] = p[i]
-        mean = old[i].sum() / columns
-        for f in range(columns):
-            right, left = min(f + 1, columns - 1), max(f - 1, 0)
-            p[i, f] = old[i, f] + drift_l * (old[i, right] + old[i, left] - 2.0 * old[i, f])
-            p[i, f] += jump_l * (mean - p[i, f])
+def moved_on(p, new, prior_k, prior_road, drift_k, jump_k, drift_s, drift_l, jump_road):
+    """The grid one block on, p (`SHAPE`) into new. drift: share of a cell that goes to each neighbour in ln k, w_s,
+    ln lambda; jump: of all, to the prior of the stiffness (k,), of the road (long, short, levels)."""
+    longs, shorts, rows, columns = p.shape
+    by_stiffness, by_road = np.zeros(rows), np.zeros((longs, shorts, columns))
+    for a in range(longs):
+        for s in range(shorts):
+            for k in range(rows):
+                own = p[a, s, k]
+                for f in range(columns):
+                    by_road[a, s, f] += own[f]
+                by_stiffness[k] += own.sum()
+    stays, last = (1.0 - jump_k) * (1.0 - jump_road), columns - 1
+    for a in range(longs):
+        for s in range(shorts):
+            more, less = min(s + 1, shorts - 1), max(s - 1, 0)
+            for k in range(rows):
+                up, down = min(k + 1, rows - 1), max(k - 1, 0)
+                here, other = jump_k * (1.0 - jump_road) * prior_k[k], jump_road * by_stiffness[k]
+                own, out = p[a, s, k], new[a, s, k]
+                above, below, steeper, flatter = p[a, s, up], p[a, s, down], p[a, more, k], p[a, less, k]
+                arrived, road = by_road[a, s], prior_road[a, s]
+                for f in range(columns):
+                    value = own[f]
+                    moved = value + drift_k * (above[f] + below[f] - 2.0 * value)
+                    moved += drift_s * (steeper[f] + flatter[f] - 2.0 * value)
+                    out[f] = stays * moved + here * arrived[f] + other * road[f]
+                for f in range(1, last):
+                    out[f] += stays * drift_l * (own[f + 1] + own[f - 1] - 2.0 * own[f])
+                out[0] += stays * drift_l * (own[1] - own[0])
+                out[last] += stays * drift_l * (own[last - 1] - own[last])
 
 
 class Posterior:
-    """Of one wheel. p: (fine stiffnesses, fine levels), sums to 1; begun flat over the levels."""
+    """Of one wheel. p: `SHAPE`, sums to 1; begun with the road's prior, every level alike."""
 
-    def __init__(self, prior: NDArray[np.float64]) -> None:
-        """prior: of each exp(LOG_STIFFNESS), at the start and after a jump; need not sum to 1."""
-        self._prior = prior / prior.sum()
-        self.p = np.repeat(self._prior[:, None], len(LOG_LEVEL), axis=1) / len(LOG_LEVEL)
+    def __init__(self, prior_k: NDArray[np.float64]) -> None:
+        """prior_k: of each exp(LOG_STIFFNESS), at the start and after a jump; need not sum to 1."""
+        self._prior = prior_k / prior_k.sum()
+        road = prior(LONG)[:, None, None] * prior(FINE_SHORT)[:, None] * np.full(len(LOG_LEVEL), 1.0 / len(LOG_LEVEL))
+        self._road = np.ascontiguousarray(road)
+        self.p = np.ascontiguousarray(self._road[:, :, None, :] * self._prior[:, None])
+        self._likelihood, self._new = np.empty(SHAPE), np.empty(SHAPE)
+        self._summed, self._variance = np.empty((*SHAPE[:3], len(LEVELS))), np.empty((*SHAPE[:3], len(LEVELS)))
 
-    def take(self, summed: NDArray[np.float64], S: NDArray[np.float64], count: int) -> None:
-        """A block of `count` samples; summed: sums of nu^2 over (S G) with G left at 1, i.e. of nu^2 / S."""
-        taken(self.p, block_likelihood(summed, S, count, LOG_LEVEL, CUBIC))
+    def take(self, summed: NDArray[np.float64], log_variance: NDArray[np.float64], count: int) -> None:
+        """A block of `count` samples; summed: sums of nu^2 / S, log_variance: ln S, of the bank's nodes."""
+        fine = _FIRST_S, _WEIGHT_S, _FIRST_K, _WEIGHT_K
+        between(np.log(np.maximum(summed, TINY)), *fine, self._summed)
+        between(log_variance, *fine, self._variance)
+        cells = SHAPE[0] * SHAPE[1] * SHAPE[2]
+        highest = likelihood(
+            self._summed.reshape(cells, -1), self._variance.reshape(cells, -1), count, PER_LEVEL, LOG_LEVEL,
+            self._likelihood.reshape(cells, -1),
+        )  # fmt: skip
+        taken(self.p.reshape(-1, SHAPE[3]), self._likelihood.reshape(-1, SHAPE[3]), highest)
 
     def pass_time(self, seconds: float) -> None:
         """What may have changed meanwhile; seconds: small."""
-        cell_k, cell_l = LOG_STIFFNESS[1] - LOG_STIFFNESS[0], LOG_LEVEL[1] - LOG_LEVEL[0]
         moved_on(
             self.p,
+            self._new,
             self._prior,
-            min(0.5 * STIFFNESS_DRIFT**2 * seconds / cell_k**2, 0.25),
+            self._road,
+            _share(STIFFNESS_DRIFT, LOG_STIFFNESS, seconds),
             min(STIFFNESS_JUMPS * seconds, 1.0),
-            min(0.5 * LEVEL_DRIFT**2 * seconds / cell_l**2, 0.25),
-            min(LEVEL_JUMPS * seconds, 1.0),
+            _share(SHORT_DRIFT, FINE_SHORT, seconds),
+            _share(LEVEL_DRIFT, LOG_LEVEL, seconds),
+            min(ROAD_JUMPS * seconds, 1.0),
         )
+        self.p, self._new = self._new, self.p
 
     def stiffness(self) -> NDArray[np.float64]:
         """Probability of each exp(LOG_STIFFNESS)."""
-        return self.p.sum(axis=1)
+        return self.p.sum(axis=(0, 1, 3))
 
-    def level(self) -> NDArray[np.float64]:
-        """Probability of each exp(LOG_LEVEL)."""
-        return self.p.sum(axis=0)
+    def road(self) -> NDArray[np.float64]:
+        """Of each FINE_SHORT and LOG_LEVEL, (shorts, levels)."""
+        return self.p.sum(axis=(0, 2))
+
+
+def _share(drift: float, cells: NDArray[np.float64], seconds: float) -> float:
+    """Of a cell that goes to each neighbour; drift: std after 1 s."""
+    return min(0.5 * drift**2 * seconds / float(cells[1] - cells[0]) ** 2, 0.12)
 
 
 def moments(probability: NDArray[np.float64], value: NDArray[np.float64]) -> tuple[float, float]:

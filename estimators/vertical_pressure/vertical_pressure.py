@@ -1,14 +1,15 @@
 """Estimator `vertical_pressure`: vertical stiffness and pressure of each tyre from its hub's acceleration, on any road.
 
 Seed: Brancati & Tufano, Machines 2022, 10, 1221. Their filters are given a road that no car knows (`unscented_imm`);
-here the road is noise of unknown level, and a bank of linear filters over stiffness and level is weighted by likelihood
-(`chain`, `bank`, `posterior`), which reaches the Cramer-Rao bound (`quarter_car.bound`): about 12 % of stiffness after
-2 s, 5 % after 10 s, 2 % after a minute, for whatever car, speed and class. Estimates each `SAY` blocks (half a second):
+here the road is noise of unknown level and unknown slopes (`roughness`), and a bank of linear filters over stiffness
+and road is weighted by likelihood (`bank`, `posterior`), which reaches the Cramer-Rao bound (`quarter_car.bound`).
+Estimates each `SAY` blocks (half a second):
 
     WHEEL/stiffness    at the mean static load and the present speed [N/m]
     WHEEL/pressure     by the maker's tyre law, taken for exact [Pa]
     WHEEL/pressure_bound  the least std of the pressure that any method could state by now (`limit`) [Pa]
     WHEEL/road_level   log4 of G(1 rad/m) over 1e-6 m^3/rad: 0 is the middle of ISO 8608 class A, 1 of B, 3 of D [-]
+    WHEEL/waviness     how steeply the road's spectrum falls for waves below 6 m: 2 by ISO 8608 [-]
     road/A ... road/D  probability of each class, mean of the wheels; A and D with what lies beyond [-]
 
 The std holds a relative share that no driving removes (`corner`). Says nothing below `SLOWEST`, where the road's short
@@ -32,7 +33,7 @@ from estimators.grid import Channel
 from estimators.grid_blocks import GridBlocks
 from estimators.quarter_car.quarter_car import quarter_masses
 from estimators.quarter_car.tyre_law import TyreLaw
-from estimators.vertical_pressure.bank import QUIET, AxleBank, at_rest, hear
+from estimators.vertical_pressure.bank import QUIET, AxleBank, heard_by
 from estimators.vertical_pressure.corner import (
     TYRES,
     Corner,
@@ -43,14 +44,17 @@ from estimators.vertical_pressure.corner import (
 )
 from estimators.vertical_pressure.intake import BLOCK, HubIntake
 from estimators.vertical_pressure.limit import Limit
-from estimators.vertical_pressure.posterior import LOG_LEVEL, LOG_STIFFNESS, Posterior, moments
+from estimators.vertical_pressure.posterior import FINE_SHORT, LOG_LEVEL, LOG_STIFFNESS, Posterior, moments
+from estimators.vertical_pressure.prediction import MEMORY
+from estimators.vertical_pressure.roughness import WAVINESS
 
 SAY = 2  # blocks from one estimate to the next
 SLOWEST, FASTEST = 7.0, 90.0  # m/s
 CLASSES = "ABCD"
 USUAL_SPEED = 20.0  # m/s of the prior
 _MS = 1e-3
-_LEVEL = (LOG_LEVEL - np.log(1e-6)) / np.log(4.0)
+# log4 of G(1 rad/m), (shorts, levels): w_s - 2 more than that of lambda (`roughness`)
+_LEVEL = (LOG_LEVEL - np.log(1e-6)) / np.log(4.0) + (FINE_SHORT[:, None] - WAVINESS)
 _CLASS = np.clip(np.rint(_LEVEL), 0, len(CLASSES) - 1).astype(int)
 CHANNELS = (
     *(Channel(f"hub/{wheel}/accel_z") for wheel in WHEELS),
@@ -68,25 +72,24 @@ class _Wheel:
         prior = _prior(car, self.load, *expected)
         self.intake, self.posterior = HubIntake(), Posterior(prior)
         self.limit = Limit(prior)
-        self._x = at_rest()
-        self._summed: NDArray[np.float64] = np.empty(self._x.shape[:2])
+        self._past = np.zeros(MEMORY)
 
     def step(self, value: NDArray[np.float64], bank: AxleBank, speed: float) -> None:
         """A block of 1 kHz samples; speed [m/s], NaN or out of range: only time passes."""
         self.pass_time(BLOCK * _MS)
         samples = self.intake.block(value)
         if samples is None or not SLOWEST <= speed <= FASTEST:
-            self._x[:] = 0.0
             self.intake.restart()
             return
-        A, c, K, S = bank.at(speed)
-        hear(A, c, K, S, samples, self._x, self._summed)
+        heard = np.concatenate([self._past, samples])
+        self._past = heard[len(samples) :]
         if self.intake.settling > 0:
             self.intake.settling -= len(samples)
             return
         if np.mean(samples**2) < QUIET:
             return
-        self.posterior.take(self._summed, S, len(samples))
+        filters, log_variance = bank.at(speed)
+        self.posterior.take(heard_by(filters, heard), log_variance, len(samples))
         self.limit.hear(BLOCK * _MS, bank.quarter, float(self.posterior.stiffness() @ LOG_STIFFNESS))
 
     def pass_time(self, seconds: float) -> None:
@@ -167,10 +170,12 @@ class VerticalPressure(Estimator):
             rows.setdefault(f"{wheel.name}/pressure", []).append((time, mean_p, float(np.hypot(std_p, systematic))))
             bound = float(self._law.pressure_std(wheel.limit.std() * mean, rolling, wheel.load))
             rows.setdefault(f"{wheel.name}/pressure_bound", []).append((time, bound, 0.0))
-            rows.setdefault(f"{wheel.name}/road_level", []).append((time, *moments(wheel.posterior.level(), _LEVEL)))
-        level = np.mean([wheel.posterior.level() for wheel in self._wheels], axis=0)
+            road = wheel.posterior.road()
+            rows.setdefault(f"{wheel.name}/road_level", []).append((time, *moments(road.ravel(), _LEVEL.ravel())))
+            rows.setdefault(f"{wheel.name}/waviness", []).append((time, *moments(road.sum(axis=1), FINE_SHORT)))
+        road = np.mean([wheel.posterior.road() for wheel in self._wheels], axis=0)
         for k, name in enumerate(CLASSES):
-            p = float(min(level[k == _CLASS].sum(), 1.0))
+            p = float(min(road[k == _CLASS].sum(), 1.0))
             rows.setdefault(f"road/{name}", []).append((time, p, float(np.sqrt(p * (1.0 - p)))))
 
 
