@@ -20,7 +20,7 @@ SPEED, SECONDS, LOSS_AT, LEFT = 20.0, 34.0, 24.0, 0.896  # m/s, s, s, of the sti
 CAR = Car()
 POINT = Quarter(420.0, 58.0, 1e-3, 38e3, 3e3, 1e-4, 0.6, 0.005)
 DOCUMENT = to_document(
-    Identified(Axles(POINT, POINT, 0.0, CAR.wheelbase), np.zeros((6, 24)), np.zeros((6, 24), complex), 0.01, 0.005)
+    Identified(Axles(POINT, POINT, 0.0, CAR.wheelbase), np.zeros((7, 24)), np.zeros((7, 24), complex), 0.01, 0.005)
 )
 
 
@@ -80,16 +80,21 @@ def test_in_a_curve_the_shared_road_is_withdrawn_and_the_std_says_so() -> None:
     assert curve > 3.0 * straight
 
 
-def test_what_is_expected_of_the_tyres_is_where_it_begins_and_less_where_it_ends() -> None:
-    """The first word against the prior, the last against what it would say without."""
-    at, std = 150e3, 15e3
-    wide, narrow = (said("", 0.0, expected)[0] for expected in (None, (at, std)))
-    for wheel in WHEELS:
-        first, last = (narrow[f"est/axles/{wheel}/pressure"].value[i] for i in (0, -1))
-        assert abs(first - at) < 3.0 * std
-        spread = wide[f"est/axles/{wheel}/pressure/std"].value
-        assert narrow[f"est/axles/{wheel}/pressure/std"].value[0] < 0.5 * spread[0]
-        assert abs(last - at) > 0.5 * abs(wide[f"est/axles/{wheel}/pressure"].value[-1] - at)
+def test_what_is_expected_of_the_tyres_counts_by_its_precision() -> None:
+    """What the drive itself says of a side's mean pressure, the prior taken out again, is the same for two priors."""
+    told = []
+    for at, std in ((CAR.pressure, 0.25 * CAR.pressure), (150e3, 30e3)):
+        words = said("", 0.0, (at, std))[0]
+        value, spread = (
+            np.mean([words[f"est/axles/{w}/pressure{end}"].value[[0, -1]] for w in ("fl", "rl")], axis=0)
+            for end in ("", "/std")
+        )
+        assert value[0] == pytest.approx(at, rel=1e-3)
+        assert spread[0] == pytest.approx(std, rel=0.01)
+        information, prior = spread[1] ** -2.0, 2.0 * std**-2.0  # of the mean of two tyres
+        told.append((information * value[1] - prior * at) / (information - prior))
+    assert told[0] == pytest.approx(told[1], abs=10e3)
+    assert abs(told[0] - 250e3) > 40e3  # the drive says something else than the first prior
 
 
 def test_an_expectation_that_is_none_is_refused() -> None:

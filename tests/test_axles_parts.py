@@ -9,7 +9,7 @@ from scipy.special import k1
 
 from estimators.axles.axles import Axles as Estimator
 from estimators.axles.block import BINS, FREQUENCIES
-from estimators.axles.calibration import comb, from_document, maker_axles, sound_from, to_document
+from estimators.axles.calibration import USUAL, basis, from_document, maker_axles, sound_from, to_document
 from estimators.axles.delay import FrontDelay
 from estimators.axles.evidence import evidence
 from estimators.axles.identify import KnownRoad, identify
@@ -164,6 +164,15 @@ def test_identification_finds_axles_and_tables_from_what_they_make() -> None:
         identify(maker, roads[:3])
 
 
+def test_tables_count_by_comb_stiffness_and_speed_and_not_at_their_reference() -> None:
+    at_reference, elsewhere = basis(0.0, USUAL, WHEELBASE), basis(0.2, USUAL * np.e, WHEELBASE)
+    assert not at_reference[3:].any()
+    assert elsewhere[3:6] == pytest.approx(0.2 * elsewhere[:3])
+    assert elsewhere[6] == pytest.approx(1.0)
+    phase = 2.0 * np.pi * FREQUENCIES * WHEELBASE / USUAL
+    assert at_reference[1] + 1j * at_reference[2] == pytest.approx(np.exp(1j * phase))
+
+
 def test_documents_there_and_back_and_what_is_wrong_with_them() -> None:
     document = identified()["axles"]
     assert to_document(from_document(document)) == document
@@ -187,4 +196,3 @@ def test_documents_there_and_back_and_what_is_wrong_with_them() -> None:
     known = document | {"sound": {"right": [0.01, 0.004]}}
     estimator.use_calibration(known)
     assert estimator.calibration() == known
-    assert comb(20.0, WHEELBASE).shape == (3, BINS)

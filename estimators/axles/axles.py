@@ -164,9 +164,9 @@ class Axles(Estimator):
         rolling = now if SLOWEST <= now <= FASTEST else SLOWEST
         for s, name in enumerate(SIDES):
             side = self._sides[s]
-            relative = float(np.hypot(np.sqrt(side.stiffness_variance()), known.stiffness_std))
+            relative = np.hypot(np.sqrt(side.stiffness_variance()), known.stiffness_std)
             for place, k in enumerate(np.exp(side.log_stiffness()).tolist()):
-                w, std = 2 * place + s, k * relative
+                w, std = 2 * place + s, k * float(relative[place])
                 rows.setdefault(f"{WHEELS[w]}/stiffness", []).append((time, k, std))
                 pressure = float(self._law.pressure_of(k, rolling, self._loads[w]))
                 pressure_std = float(self._law.pressure_std(std, rolling, self._loads[w]))

@@ -6,11 +6,11 @@ inertia M (`ROLL_GYRATION` track)^2, so that a force at one wheel moves the body
     1 / m_s = l / (b M) + y^2 / I_x    (front; a for the rear)        1 / m_c = y_f y_r / I_x,    y: half the track
 
 The identified document has besides `front`, `rear` (fields of `Quarter` without `hub_error`), `coupling` and
-`wheelbase` what is left of a car that is no such model, over w tau, tau = wheelbase / v, and over the mean m of ln k of
-both axles above `REFERENCE`, for each bin of `block`:
+`wheelbase` what is left of a car that is no such model, over w tau, tau = wheelbase / v, over the mean m of ln k of
+both axles above `REFERENCE`, and over speed, for each bin of `block`:
 
-    ln |H_f| and ln |H_r|  +=  u . l        `level` (6, BINS)                 u = (1, cos w tau, sin w tau,
-    ln H_r                 +=  u . e        `ratio_real`, `ratio_imag`             m, m cos w tau, m sin w tau)
+    ln |H_f| and ln |H_r|  +=  u . l        `level` (7, BINS)       u = (1, cos w tau, sin w tau,
+    ln H_r                 +=  u . e        `ratio_real`, `ratio_imag`   m, m cos w tau, m sin w tau, ln v / `USUAL`)
 
 and what no driving removes: `stiffness_std` of each ln k, `difference_std` of ln k_f - ln k_r.
 """
@@ -32,7 +32,8 @@ from estimators.vertical_pressure.chain import Quarter
 from estimators.vertical_pressure.corner import HUB_ERROR, SOFTER
 
 REFERENCE = 250e3  # N/m, where m = 0
-ROWS = 6  # of the tables
+ROWS = 7  # of the tables
+USUAL = 20.0  # m/s, where s = 0
 ROLL_GYRATION = 0.39  # of the track: SUVs in NHTSA's inertia tables lie at 0.38 to 0.42
 MAKER_STD, MAKER_DIFFERENCE_STD = 0.06, 0.04  # Declared: a drawing's masses, springs and inertias
 QUARTER_FIELDS = tuple(name for name in Quarter._fields if name != "hub_error")
@@ -42,7 +43,7 @@ _NUMBERS = ("coupling", "wheelbase", "stiffness_std", "difference_std")
 
 @dataclass(frozen=True, eq=False)
 class Identified:
-    """level, ratio: see above, (6, BINS) each."""
+    """level, ratio: see above, (7, BINS) each."""
 
     axles: Axles
     level: NDArray[np.float64]
@@ -52,22 +53,23 @@ class Identified:
 
     def shape(self, speed: float) -> NDArray[np.complex128]:
         """Factors on H_f and H_r at a speed [m/s] and m = 0, (2, BINS)."""
-        return np.exp(self._logarithm(speed, slice(0, 3)))
+        return np.exp(self._logarithm(basis(0.0, speed, self.axles.wheelbase)))
 
     def bend(self, speed: float) -> NDArray[np.complex128]:
         """What is added to ln H_f and ln H_r for m = 1, (2, BINS)."""
-        return self._logarithm(speed, slice(3, 6))
+        at, none = (basis(m, speed, self.axles.wheelbase) for m in (1.0, 0.0))
+        return self._logarithm(at - none)
 
-    def _logarithm(self, speed: float, rows: slice) -> NDArray[np.complex128]:
-        turn = comb(speed, self.axles.wheelbase)
-        common = np.sum(turn * self.level[rows], axis=0) + 0j
-        return np.stack([common, common + np.sum(turn * self.ratio[rows], axis=0)])
+    def _logarithm(self, u: NDArray[np.float64]) -> NDArray[np.complex128]:
+        common = np.sum(u * self.level, axis=0) + 0j
+        return np.stack([common, common + np.sum(u * self.ratio, axis=0)])
 
 
-def comb(speed: float, wheelbase: float) -> NDArray[np.float64]:
-    """1, cos w tau, sin w tau of each bin, (3, BINS)."""
+def basis(m: float, speed: float, wheelbase: float) -> NDArray[np.float64]:
+    """What the tables are multiplied by, u, (ROWS, BINS). speed [m/s]."""
     angle = 2.0 * np.pi * FREQUENCIES * wheelbase / speed
-    return np.stack([np.ones(BINS), np.cos(angle), np.sin(angle)])
+    turn = np.stack([np.ones(BINS), np.cos(angle), np.sin(angle)])
+    return np.vstack([turn, m * turn, np.full((1, BINS), np.log(speed / USUAL))])
 
 
 def maker_axles(car: Car) -> Identified:

@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from scipy.optimize import minimize
 
 from estimators.axles.block import BINS, FREQUENCIES, HOP, WINDOW, spectrum
-from estimators.axles.calibration import REFERENCE, ROWS, Identified, comb
+from estimators.axles.calibration import REFERENCE, ROWS, Identified, basis
 from estimators.axles.response import Axles, hub_responses
 from estimators.axles.side import NOISE
 from estimators.compiled import compiled
@@ -92,7 +92,7 @@ class _Fit:
         cross = [road.matrix[:, 1, 0] for road in roads]
         powers = [np.sqrt((road.matrix[:, 0, 0] * road.matrix[:, 1, 1]).real) for road in roads]
         self.coherence = [np.minimum(np.abs(x) / p, _HIGHEST) for x, p in zip(cross, powers, strict=True)]
-        self.basis = np.array([basis(road.stiffness, road.speed, maker.axles.wheelbase) for road in roads])
+        self.basis = np.array([basis(_mean(road.stiffness), road.speed, maker.axles.wheelbase) for road in roads])
         self.level, self.ratio = np.zeros((ROWS, BINS)), np.zeros((ROWS, BINS), complex)
 
     def axles(self, place: NDArray[np.float64]) -> Axles:
@@ -152,10 +152,9 @@ class _Fit:
             self.ratio[:, i] = np.linalg.lstsq(self.basis[:, :, i].astype(complex), ratio[:, i], rcond=None)[0]
 
 
-def basis(stiffness: NDArray[np.float64], speed: float, wheelbase: float) -> NDArray[np.float64]:
-    """What the tables are multiplied by, u of `calibration`, (ROWS, BINS)."""
-    turn = comb(speed, wheelbase)
-    return np.vstack([turn, float(np.log(stiffness / REFERENCE).mean()) * turn])
+def _mean(stiffness: NDArray[np.float64]) -> float:
+    """m of `calibration`."""
+    return float(np.log(stiffness / REFERENCE).mean())
 
 
 def identify(maker: Identified, roads: Sequence[KnownRoad]) -> Identified:

@@ -98,4 +98,3 @@ class AxleBank:
         if self._place is None or abs(exact - self._place) > 0.75:
             self._place = round(exact)
         return _designed(self.quarter, self._place)
-

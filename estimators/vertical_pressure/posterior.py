@@ -84,7 +84,9 @@ def between(nodes, first_s, weight_s, first_k, weight_k, out):
                 n = first_k[k]
                 w0, w1, w2, w3 = weight_k[k]
                 for j in range(levels):
-                    out[a, s, k, j] = w0 * along[n, j] + w1 * along[n + 1, j] + w2 * along[n + 2, j] + w3 * along[n + 3, j]
+                    out[a, s, k, j] = (
+                        w0 * along[n, j] + w1 * along[n + 1, j] + w2 * along[n + 2, j] + w3 * along[n + 3, j]
+                    )
 
 
 @compiled
