@@ -22,8 +22,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimators.compiled import compiled
-from estimators.vertical_pressure.bank import LEVELS, STIFFNESSES
-from estimators.vertical_pressure.roughness import LONG, SHORT, prior
+from estimators.quarter_car.roughness import prior
+from estimators.vertical_pressure.bank import LEVELS, LONG, SHORT, STIFFNESSES
 
 PER_STIFFNESS, PER_SHORT, PER_LEVEL = 5, 2, 11  # fine cells a node
 HIGHEST_LEVEL = 1e-3  # lambda [m^3/rad]: class E and F

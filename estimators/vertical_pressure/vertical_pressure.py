@@ -1,7 +1,7 @@
 """Estimator `vertical_pressure`: vertical stiffness and pressure of each tyre from its hub's acceleration, on any road.
 
 Seed: Brancati & Tufano, Machines 2022, 10, 1221. Their filters are given a road that no car knows (`unscented_imm`);
-here the road is noise of unknown level and unknown slopes (`roughness`), and a bank of linear filters over stiffness
+here the road is noise of unknown level and unknown slopes (`quarter_car.roughness`), and a bank of linear filters over stiffness
 and road is weighted by likelihood (`bank`, `posterior`), which reaches the Cramer-Rao bound (`quarter_car.bound`).
 Estimates each `SAY` blocks (half a second):
 
@@ -46,14 +46,14 @@ from estimators.vertical_pressure.intake import BLOCK, HubIntake
 from estimators.vertical_pressure.limit import Limit
 from estimators.vertical_pressure.posterior import FINE_SHORT, LOG_LEVEL, LOG_STIFFNESS, Posterior, moments
 from estimators.vertical_pressure.prediction import MEMORY
-from estimators.vertical_pressure.roughness import WAVINESS
+from estimators.quarter_car.roughness import WAVINESS
 
 SAY = 2  # blocks from one estimate to the next
 SLOWEST, FASTEST = 7.0, 90.0  # m/s
 CLASSES = "ABCD"
 USUAL_SPEED = 20.0  # m/s of the prior
 _MS = 1e-3
-# log4 of G(1 rad/m), (shorts, levels): w_s - 2 more than that of lambda (`roughness`)
+# log4 of G(1 rad/m), (shorts, levels): w_s - 2 more than that of lambda (`quarter_car.roughness`)
 _LEVEL = (LOG_LEVEL - np.log(1e-6)) / np.log(4.0) + (FINE_SHORT[:, None] - WAVINESS)
 _CLASS = np.clip(np.rint(_LEVEL), 0, len(CLASSES) - 1).astype(int)
 CHANNELS = (

@@ -13,7 +13,7 @@ ends more than 100 kPa low, with two within 25 kPa (Whittle, 60 s); on roads of 
 stated at `REFERENCE` = Omega_r, in the middle of what the hub hears at usual speeds, where level and slope are nearly
 independent of each other; it is G(1 rad/m) of the road of slope -2 that is as rough there. G(1 rad/m) itself is lambda
 Omega_r^(w_s - 2): w_s - 2 ISO classes more, since a class is a factor 4 = Omega_r / (1 rad/m). Prior of each slope:
-normal about ISO's 2, std `WAVINESS_STD`, within the grid: wide enough for all of these. Declared, not tuned.
+normal about ISO's 2, std `WAVINESS_STD`: wide enough for all of these. Declared, not tuned.
 """
 
 from __future__ import annotations
@@ -23,8 +23,6 @@ from numpy.typing import NDArray
 
 BREAK, REFERENCE = 1.0, 4.0  # rad/m
 WAVINESS, WAVINESS_STD = 2.0, 0.5  # prior of w_l and of w_s
-LONG = np.array([1.4, 2.0, 2.6])  # nodes of w_l: what it does to the stiffness is little
-SHORT = np.linspace(1.0, 3.8, 8)  # nodes of w_s
 
 
 def shape(
