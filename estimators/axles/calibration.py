@@ -29,11 +29,10 @@ from estimators.axles.response import Axles
 from estimators.car import AXLES, Car
 from estimators.quarter_car.quarter_car import quarter_masses
 from estimators.vertical_pressure.chain import Quarter
-from estimators.vertical_pressure.corner import HUB_ERROR, SOFTER
+from estimators.vertical_pressure.corner import HUB_ERROR, ROLL_GYRATION, SOFTER
 
 REFERENCE = 250e3  # N/m, where m = 0
 ROWS = 6  # of the tables
-ROLL_GYRATION = 0.39  # of the track: SUVs in NHTSA's inertia tables lie at 0.38 to 0.42
 MAKER_STD, MAKER_DIFFERENCE_STD = 0.06, 0.04  # Declared: a drawing's masses, springs and inertias
 QUARTER_FIELDS = tuple(name for name in Quarter._fields if name != "hub_error")
 _TABLES = ("level", "ratio_real", "ratio_imag")

@@ -5,7 +5,7 @@ and the body that it shares with the other axle of its side, which rolls over th
 (equations: `axles.response`; the body rolls, 1 / m_c):
 
     F = (k + i w c) (z_us - z_s)        -w^2 z_s = F / m_s + F_o / m_c        -w^2 z_so = F_o / m_so + F / m_c
-    |foot| = (1 - x^2/12) / sqrt((1 - x^2/12)^2 + x^2/4),    x = w l / v
+    |foot|^2 = (1 - x^2/12)^2 / ((1 - x^2/12)^2 + x^2/4) + BLIND,    x = w l / v
 
 The other axle makes a comb of +-8 % over w wheelbase / v of the hub's spectrum. Where the road's slopes are known it
 averages out over the band; where they are not it tilts the spectrum, and k_t was 9 % of a factor e of speed off without
@@ -28,6 +28,7 @@ from estimators.vertical_pressure.anti_alias import HIGH_PASS, STEP, analogue
 from estimators.vertical_pressure.chain import REFERENCE_STIFFNESS, SIDEWALL, Quarter
 from estimators.quarter_car.roughness import shape
 
+BLIND = 0.005  # of |foot|^2: a contact patch has a width, and no wave at which nothing comes through
 POINTS = 1024  # of the circle of lags: 16 s, after which nothing is left
 _IMAGES = 2  # of the sampling rate, either side: beyond 94 Hz the low-pass leaves nothing
 
@@ -95,7 +96,7 @@ def _corner(
     wheel = strut + sidewall - w2 * quarter.unsprung_mass - sidewall**2 / belt
     x2 = (w * quarter.footprint * (k / REFERENCE_STIFFNESS) ** -quarter.softer / speed) ** 2
     straight = 1.0 - x2 / 12.0
-    foot = straight / np.sqrt(straight**2 + 0.25 * x2)
+    foot = np.sqrt(straight**2 / (straight**2 + 0.25 * x2) + BLIND)
     return strut, wheel, foot * sidewall * contact / belt
 
 

@@ -37,6 +37,7 @@ from estimators.vertical_pressure.bank import QUIET, AxleBank, heard_by
 from estimators.vertical_pressure.corner import (
     TYRES,
     Corner,
+    beside,
     expected_pressure,
     from_document,
     maker_corner,
@@ -117,7 +118,9 @@ class VerticalPressure(Estimator):
     def _use(self, corners: Mapping[str, Corner], expected: tuple[float, float]) -> None:
         self._corners = corners
         self._wheels = tuple(_Wheel(self.car, name, expected) for name in WHEELS)
-        self._banks = {axle: AxleBank(corner.quarter) for axle, corner in corners.items()}
+        self._banks = {
+            axle: AxleBank(corner.quarter, beside(self.car, corners, axle)) for axle, corner in corners.items()
+        }
 
     def use_calibration(self, document: Mapping[str, Any]) -> None:
         """The identified corners and what is expected of the tyres, see `corner`; forgets what was heard."""
