@@ -18,6 +18,7 @@ from estimators.axles.side import NOISE, Side
 from estimators.quarter_car.bound import Setting, relative_stiffness_std
 from estimators.quarter_car.quarter_car import QuarterCar, ride
 from estimators.quarter_car.response import response
+from estimators.quarter_car.roughness import WAVINESS_STD
 from estimators.quarter_car.road_shape import CORNER, class_spectrum, synthesised
 from estimators.vertical_pressure.chain import Quarter
 from estimators.vertical_pressure.intake import BLOCK
@@ -76,7 +77,7 @@ def test_coupled_axles_solve_the_four_mass_equations() -> None:
 
 def test_score_is_the_slope_of_the_log_likelihood_and_information_its_covariance() -> None:
     """Against differences of ln det S + Y^H S^-1 Y, and against the score's covariance over drawn blocks."""
-    theta = np.array([*np.log(STIFFNESS), np.log(LEVEL_B), 0.01, *np.log([0.01, 0.03, 0.05, 0.1])])
+    theta = np.array([*np.log(STIFFNESS), np.log(LEVEL_B), 0.01, 2.3, *np.log([0.01, 0.03, 0.05, 0.1])])
     rng = np.random.default_rng(1)
     H, slope = np.empty((2, BINS), complex), np.empty((2, 2, BINS), complex)
     score, J = np.empty(STATES), np.empty((STATES, STATES))
@@ -89,7 +90,8 @@ def test_score_is_the_slope_of_the_log_likelihood_and_information_its_covariance
     cost(theta, np.zeros((BINS, 2), complex))
     information = J.copy()
     lost, turn = np.exp(theta[LOSS + BAND]), np.exp(-2j * np.pi * FREQUENCIES * 0.01 / SPEED)
-    S = LEVEL_B * np.einsum("in,jn->nij", H, H.conj())
+    road = LEVEL_B * (np.maximum(2.0 * np.pi * FREQUENCIES / SPEED, 1.0) / 4.0) ** -0.3
+    S = road[:, None, None] * np.einsum("in,jn->nij", H, H.conj())
     S[:, 1, 0] *= (1.0 - lost) * turn
     S[:, 0, 1] = S[:, 1, 0].conj()
     root = np.linalg.cholesky(S + NOISE * np.eye(2))
@@ -110,19 +112,19 @@ def test_score_is_the_slope_of_the_log_likelihood_and_information_its_covariance
 
 def test_information_of_a_block_is_the_bound_s_own_at_its_bins() -> None:
     """Compiled, term by term, against matrices and differences in numpy."""
-    theta = np.array([*np.log(STIFFNESS), np.log(LEVEL_B), 0.0, *np.full(STATES - LOSS, np.log(0.05))])
+    theta = np.array([*np.log(STIFFNESS), np.log(LEVEL_B), 0.0, 2.0, *np.full(STATES - LOSS, np.log(0.05))])
     H, slope = np.empty((2, BINS), complex), np.empty((2, 2, BINS), complex)
     score, J, flat = np.empty(STATES), np.empty((STATES, STATES)), np.zeros((2, BINS), complex)
     expect(COUPLED, theta, SPEED, 1.0, flat + 1.0, flat, H, slope)
     score_block(flat.T.copy(), H, slope, theta, SPEED, ONES, NOISE, BAND, score, J)
     road = SharedRoad(COUPLED, STIFFNESS, LEVEL_B, SPEED, 0.95)
-    inverse = np.linalg.inv(road.matrix(np.zeros(4), FREQUENCIES))
+    inverse = np.linalg.inv(road.matrix(np.zeros(5), FREQUENCIES))
     shares = []
-    for step in 1e-4 * np.eye(4):
+    for step in 1e-4 * np.eye(5):
         shares.append(inverse @ (road.matrix(step, FREQUENCIES) - road.matrix(-step, FREQUENCIES)) / 2e-4)
     wanted = SHARE * np.array([[np.trace(p @ q, axis1=1, axis2=2).real.sum() for q in shares] for p in shares])
     scale = np.sqrt(np.diag(wanted))
-    assert J[:4, :4] / np.outer(scale, scale) == pytest.approx(wanted / np.outer(scale, scale), abs=1e-4)
+    assert J[:5, :5] / np.outer(scale, scale) == pytest.approx(wanted / np.outer(scale, scale), abs=1e-4)
 
 
 def test_bound_is_the_quarter_car_s_without_a_shared_road_and_the_known_figures_with_it() -> None:
@@ -131,7 +133,8 @@ def test_bound_is_the_quarter_car_s_without_a_shared_road_and_the_known_figures_
     alone = SharedRoad(twin, (230e3, 230e3), LEVEL_B, SPEED, 0.0, band=(0.5, 50.0))
     quarter = QuarterCar(420.0, 58.0, 38e3, 0.0, 3e3, 0.0)
     setting = Setting(quarter, 230e3, LEVEL_B, SPEED, band=(0.5, 50.0))
-    known_level, unknown = (relative_stiffness_std(setting, 2.0, level_std=s) for s in (0.0, np.inf))
+    known_level = relative_stiffness_std(setting, 2.0, level_std=0.0)
+    unknown = relative_stiffness_std(setting, 2.0, waviness_std=WAVINESS_STD)
     assert difference_std(alone, 2.0) == pytest.approx(np.sqrt(2.0) * known_level, rel=0.02)  # body adds 1 %
     common = np.sqrt(0.25 * difference_std(alone, 2.0) ** 2 + 0.5 * unknown**2)
     found, _ = pressure_std(alone, 2.0, 1.0)

@@ -1,7 +1,7 @@
 """What two hub accelerometers of one side can tell, when their wheels share the road: the Cramer-Rao bound.
 
 As `quarter_car.bound` (Whittle), for the spectral matrix S of the aligned hubs (`likelihood`) and a = (ln k_f, ln k_r,
-ln G, delta), the coherency c known:
+ln G, delta, w), the coherency c known:
 
     J_ij = T integral over f of tr(S^-1 dS/da_i S^-1 dS/da_j)
 
@@ -20,10 +20,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimators.axles.response import Axles, hub_responses
+from estimators.quarter_car.roughness import BREAK, REFERENCE, WAVINESS_STD
 
 BAND = (0.5, 28.0)  # Hz: to the edge of the anti-alias filter
 _POINTS = 800  # of the integral
-_STEPS = np.array([1e-4, 1e-4, 1e-4, 1e-5])  # of a, in the central differences
+_STEPS = np.array([1e-4, 1e-4, 1e-4, 1e-5, 1e-4])  # of a, in the central differences
 
 
 @dataclass(frozen=True)
@@ -41,21 +42,22 @@ class SharedRoad:
     band: tuple[float, float] = BAND
 
     def matrix(self, change: NDArray[np.float64], frequency: NDArray[np.float64]) -> NDArray[np.complex128]:
-        """S at a changed by `change` (4,), (n, 2, 2) [(m/s^2)^2/Hz]."""
+        """S at a changed by `change` (5,), (n, 2, 2) [(m/s^2)^2/Hz]."""
         H = np.empty((2, len(frequency)), np.complex128)
         kf, kr = self.stiffness[0] * np.exp(change[0]), self.stiffness[1] * np.exp(change[1])
         hub_responses(self.axles, kf, kr, self.speed, 1.0, frequency, H)
         H[1] *= np.exp(-2j * np.pi * frequency * change[3] / self.speed)
         shared = np.array([[1.0, self.coherency], [self.coherency, 1.0]])
-        level = self.spectrum * np.exp(change[2])
-        road = level * np.einsum("in,jn,ij->nij", H, H.conj(), shared)
+        omega = np.maximum(2.0 * np.pi * frequency / self.speed, BREAK)
+        level = self.spectrum * np.exp(change[2]) * (omega / REFERENCE) ** -change[4]
+        road = level[:, None, None] * np.einsum("in,jn,ij->nij", H, H.conj(), shared)
         return np.asarray(road + 2.0 * self.noise_std**2 / self.rate * np.eye(2))
 
     @cached_property
     def information(self) -> NDArray[np.float64]:
-        """J of one second, (4, 4)."""
+        """J of one second at w = 2, (5, 5)."""
         frequency = np.linspace(*self.band, _POINTS)
-        inverse = np.linalg.inv(self.matrix(np.zeros(4), frequency))
+        inverse = np.linalg.inv(self.matrix(np.zeros(5), frequency))
         shares = []
         for step in np.diag(_STEPS):
             slope = (self.matrix(step, frequency) - self.matrix(-step, frequency)) / (2.0 * step.max())
@@ -65,9 +67,9 @@ class SharedRoad:
 
 
 def covariance(road: SharedRoad, seconds: float, stiffness_std: float = np.inf) -> NDArray[np.float64]:
-    """Least covariance of (ln k_f, ln k_r) after that time, (2, 2); level and delta unknown. stiffness_std: prior std
-    of each ln k."""
-    prior = np.diag([stiffness_std**-2.0, stiffness_std**-2.0, 0.0, 0.0])
+    """Least covariance of (ln k_f, ln k_r) after that time, (2, 2); level and delta unknown, w but for its prior.
+    stiffness_std: prior std of each ln k."""
+    prior = np.diag([stiffness_std**-2.0, stiffness_std**-2.0, 0.0, 0.0, WAVINESS_STD**-2.0])
     return np.asarray(np.linalg.inv(seconds * road.information + prior)[:2, :2])
 
 

@@ -3,10 +3,11 @@
 Aligned front and rear spectra Y = (Y_f, Y_r) of a window are complex Gaussian with the covariance (Whittle, Arkiv for
 Matematik 2, 1953)
 
-    S = G [ |H_f|^2            c H_f H_r^* e^(i phi) ] + N 1,     phi = 2 pi f delta / v,    c = (1 - e^nu) gamma
-          [ c H_r H_f^* e^(-i phi)           |H_r|^2 ]
+    S = G_w [ |H_f|^2            c H_f H_r^* e^(i phi) ] + N 1,     phi = 2 pi f delta / v,    c = (1 - e^nu) gamma
+            [ c H_r H_f^* e^(-i phi)           |H_r|^2 ]
 
-G: road level; N: the sensors' noise; delta [m]: how much later than a wheelbase the rear wheel is there; 1 - e^nu: the
+G_w = G (max(Omega, 1 rad/m) / Omega_r)^(2 - w), Omega = 2 pi f / v: a road of level G whose short waves fall with w in
+place of H's 2, stated at Omega_r as in `quarter_car.roughness`; the few bins of longer waves keep 2; N: the sensors' noise; delta [m]: how much later than a wheelbase the rear wheel is there; 1 - e^nu: the
 coherency that is left beside the known loss gamma of off-tracking (`off_tracking`), nu for each of `BANDS`. G is common
 to both, so that the road's level and shape fall out of H_r / H_f as far as c is near 1; where c is 0, what is left are
 two wheels that know each other's level. theta = (ln k_f, ln k_r, ln G, delta, nu_1 ... nu_n):
@@ -22,8 +23,10 @@ from estimators.axles.block import BINS, FREQUENCIES, SHARE
 from estimators.axles.calibration import REFERENCE
 from estimators.axles.response import hub_responses
 from estimators.compiled import compiled
+from estimators.quarter_car.roughness import BREAK, WAVINESS
+from estimators.quarter_car.roughness import REFERENCE as REFERENCE_WAVE
 
-FRONT, REAR, LEVEL, SHIFT, LOSS = range(5)
+FRONT, REAR, LEVEL, SHIFT, SLOPE, LOSS = range(6)
 EDGES = (6.0, 11.0, 16.0)  # Hz, between the bands of nu
 BANDS = len(EDGES) + 1
 STATES = LOSS + BANDS
@@ -31,6 +34,7 @@ BAND = np.searchsorted(np.array(EDGES), FREQUENCIES)
 _REFERENCE = float(np.log(REFERENCE))
 _STEP = 1e-3  # of ln k, in the central differences
 _FREQUENCIES = FREQUENCIES.copy()
+_BREAK, _OMEGA_R, _WAVINESS = BREAK, REFERENCE_WAVE, WAVINESS
 _BINS, _SHARE, _LOSS, _STATES = BINS, SHARE, LOSS, STATES
 
 
@@ -64,16 +68,17 @@ def score_block(Y, H, slope, theta, speed, gamma, noise, band, score, J):
     """Score (STATES,) and information (STATES, STATES) of Y (BINS, 2), both overwritten; -log-likelihood. noise: N."""
     score[:] = 0.0
     J[:] = 0.0
-    G = np.exp(theta[2])
     cost = 0.0
-    place = np.empty(5, np.int64)
-    da, db, dx = np.zeros(5), np.zeros(5), np.zeros(5, np.complex128)
-    u00, u11 = np.zeros(5, np.complex128), np.zeros(5, np.complex128)
-    u01, u10 = np.zeros(5, np.complex128), np.zeros(5, np.complex128)
+    place = np.empty(6, np.int64)
+    da, db, dx = np.zeros(6), np.zeros(6), np.zeros(6, np.complex128)
+    u00, u11 = np.zeros(6, np.complex128), np.zeros(6, np.complex128)
+    u01, u10 = np.zeros(6, np.complex128), np.zeros(6, np.complex128)
     for i in range(_BINS):
         lost = np.exp(theta[_LOSS + band[i]])
         c = (1.0 - lost) * gamma[i]
         turn = 2.0 * np.pi * _FREQUENCIES[i] / speed
+        over = -np.log(max(turn, _BREAK) / _OMEGA_R)
+        G = np.exp(theta[2] + (theta[4] - _WAVINESS) * over)
         hf, hr = H[0, i], H[1, i]
         af, ar = G * (hf * np.conj(hf)).real, G * (hr * np.conj(hr)).real
         a, b = af + noise, ar + noise
@@ -86,15 +91,16 @@ def score_block(Y, H, slope, theta, speed, gamma, noise, band, score, J):
             da[p], db[p], dx[p] = 2.0 * at_front.real * af, 2.0 * at_rear.real * ar, (np.conj(at_front) + at_rear) * x
         da[2], db[2], dx[2] = af, ar, x
         da[3], db[3], dx[3] = 0.0, 0.0, -1j * turn * x
-        da[4], db[4], dx[4] = 0.0, 0.0, -lost / (1.0 - lost) * x
-        for p in range(4):
+        da[4], db[4], dx[4] = over * af, over * ar, over * x
+        da[5], db[5], dx[5] = 0.0, 0.0, -lost / (1.0 - lost) * x
+        for p in range(5):
             place[p] = p
-        place[4] = _LOSS + band[i]
+        place[5] = _LOSS + band[i]
         yf, yr = Y[i, 0], Y[i, 1]
         sf = i00 * yf + i01 * yr  # S^-1 Y
         sr = i10 * yf + i11 * yr
         cost += _SHARE * ((np.conj(yf) * sf + np.conj(yr) * sr).real + np.log(det))
-        for p in range(5):
+        for p in range(6):
             # U = S^-1 dS
             u00[p] = i00 * da[p] + i01 * dx[p]
             u01[p] = i00 * np.conj(dx[p]) + i01 * db[p]
@@ -102,7 +108,7 @@ def score_block(Y, H, slope, theta, speed, gamma, noise, band, score, J):
             u11[p] = i10 * np.conj(dx[p]) + i11 * db[p]
             fits = da[p] * abs(sf) ** 2 + db[p] * abs(sr) ** 2 + 2.0 * (np.conj(sr) * dx[p] * sf).real
             score[place[p]] += _SHARE * (fits - (u00[p] + u11[p]).real)
-        for p in range(5):
+        for p in range(6):
             for q in range(p + 1):
                 trace = (u00[p] * u00[q] + u01[p] * u10[q] + u10[p] * u01[q] + u11[p] * u11[q]).real
                 J[place[p], place[q]] += _SHARE * trace

@@ -1,4 +1,4 @@
-"""One side of the car: front and rear stiffness, road level and what coherence is left, followed block by block.
+"""One side of the car: front and rear stiffness, road level and slope, and what coherence is left, block by block.
 
 State theta of `likelihood`, Gaussian with covariance P. Between blocks it wanders (`WANDER`), and nu comes back to what
 the car shows on an open road (`OPEN_ROAD`). A block moves it to the maximum of
@@ -29,21 +29,24 @@ from estimators.axles.calibration import Identified
 from estimators.axles.evidence import Evidence, evidence
 from estimators.axles.likelihood import BAND, BANDS, FRONT, LOSS, REAR, STATES, expect, score_block
 from estimators.compiled import compiled
+from estimators.quarter_car.roughness import WAVINESS, WAVINESS_STD
 from estimators.vertical_pressure.bank import SENSOR_STD
+from estimators.vertical_pressure.posterior import LEVEL_DRIFT, SHORT_DRIFT, STIFFNESS_DRIFT
 
 NOISE = 2.0 * SENSOR_STD**2 / 1000.0  # N [(m/s^2)^2/Hz]: the sensor's density
-# Declared. ln k as in `vertical_pressure.posterior`; another surface within a second; 8 mm of a wheelbase in a
+# Declared. ln k as in `vertical_pressure.posterior`, level and slope too; 8 mm of a wheelbase in a
 # second, since driving and braking slip, and bend the hubs' bushes (tuned: with 0.5 mm a braked car seemed 6 % softer
 # in front, with 20 mm nothing is gained); coherence: a factor 1.3 in a second
-WANDER = np.array([1e-3, 1e-3, 0.15, 8e-3, *[0.3] * BANDS])  # std after 1 s
+WANDER = np.array([STIFFNESS_DRIFT, STIFFNESS_DRIFT, LEVEL_DRIFT, 8e-3, SHORT_DRIFT, *[0.3] * BANDS])  # std after 1 s
 LEVEL_STD, SHIFT_STD = 3.0, 0.02  # at the start; m: rolling radius 0.7 % off
 OPEN_ROAD, OPEN_STD, BACK = np.log(0.015), 1.5, 0.02  # nu: mean, std, 1/s
 LOWEST_LOSS, HIGHEST_LOSS = np.log(5e-4), np.log(0.98)  # of nu
 LEAST_G, MOST_G = np.log(1e-9), np.log(1.0)
+FLATTEST, STEEPEST = 0.5, 4.5  # of w
 _STATES, _BINS, _LOSS, _LOW, _HIGH = STATES, BINS, LOSS, LOWEST_LOSS, HIGHEST_LOSS
-_LEAST_G, _MOST_G = LEAST_G, MOST_G
+_LEAST_G, _MOST_G, _FLATTEST, _STEEPEST = LEAST_G, MOST_G, FLATTEST, STEEPEST
 _MOST, _ENOUGH = 12, 0.1  # steps; of a standard deviation
-_LONGEST = np.array([0.1, 0.1, 1.0, 0.01, *[0.7] * BANDS])  # of one step
+_LONGEST = np.array([0.1, 0.1, 1.0, 0.01, 0.2, *[0.7] * BANDS])  # of one step
 
 
 @compiled
@@ -74,6 +77,7 @@ def settle(axles, theta, P, Y, speed, stretch, shape, bend, gamma, noise, band, 
         for i in range(_LOSS, n):
             theta[i] = min(max(theta[i], _LOW), _HIGH)
         theta[2] = min(max(theta[2], _LEAST_G), _MOST_G)
+        theta[4] = min(max(theta[4], _FLATTEST), _STEEPEST)
         if done:
             break
     expect(axles, theta, speed, stretch, shape, bend, H, slope)
@@ -85,8 +89,8 @@ class _State:
     """theta, P: see above; shared: 1 with the coherency, 0 without."""
 
     def __init__(self, log_stiffness: NDArray[np.float64], std: float, shared: float) -> None:
-        self.theta = np.concatenate([log_stiffness, [np.log(4e-6), 0.0], np.full(BANDS, OPEN_ROAD)])
-        self.P = np.diag(np.array([std, std, LEVEL_STD, SHIFT_STD, *[OPEN_STD] * BANDS]) ** 2)
+        self.theta = np.concatenate([log_stiffness, [np.log(4e-6), 0.0, WAVINESS], np.full(BANDS, OPEN_ROAD)])
+        self.P = np.diag(np.array([std, std, LEVEL_STD, SHIFT_STD, WAVINESS_STD, *[OPEN_STD] * BANDS]) ** 2)
         self._shared = shared
         self._score, self._J = np.zeros(STATES), np.zeros((STATES, STATES))
 
