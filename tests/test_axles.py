@@ -18,8 +18,8 @@ from estimators.axles.side import NOISE, Side
 from estimators.quarter_car.bound import Setting, relative_stiffness_std
 from estimators.quarter_car.quarter_car import QuarterCar, ride
 from estimators.quarter_car.response import response
-from estimators.quarter_car.roughness import WAVINESS_STD
 from estimators.quarter_car.road_shape import CORNER, class_spectrum, synthesised
+from estimators.quarter_car.roughness import WAVINESS_STD
 from estimators.vertical_pressure.chain import Quarter
 from estimators.vertical_pressure.intake import BLOCK
 

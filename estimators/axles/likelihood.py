@@ -7,10 +7,11 @@ Matematik 2, 1953)
             [ c H_r H_f^* e^(-i phi)           |H_r|^2 ]
 
 G_w = G (max(Omega, 1 rad/m) / Omega_r)^(2 - w), Omega = 2 pi f / v: a road of level G whose short waves fall with w in
-place of H's 2, stated at Omega_r as in `quarter_car.roughness`; the few bins of longer waves keep 2; N: the sensors' noise; delta [m]: how much later than a wheelbase the rear wheel is there; 1 - e^nu: the
-coherency that is left beside the known loss gamma of off-tracking (`off_tracking`), nu for each of `BANDS`. G is common
-to both, so that the road's level and shape fall out of H_r / H_f as far as c is near 1; where c is 0, what is left are
-two wheels that know each other's level. theta = (ln k_f, ln k_r, ln G, delta, nu_1 ... nu_n):
+place of H's 2, stated at Omega_r as in `quarter_car.roughness`; the few bins of longer waves keep 2; N: the sensors'
+noise; delta [m]: how much later than a wheelbase the rear wheel is there; 1 - e^nu: the coherency that is left beside
+the known loss gamma of off-tracking (`off_tracking`), nu for each of `BANDS`. G is common to both, so that the road's
+level and shape fall out of H_r / H_f as far as c is near 1; where c is 0, what is left are two wheels that know each
+other's level. theta = (ln k_f, ln k_r, ln G, delta, w, nu_1 ... nu_n):
 
     score_i = share tr(S^-1 dS_i S^-1 (Y Y^H - S)),    J_ij = share tr(S^-1 dS_i S^-1 dS_j)
 """

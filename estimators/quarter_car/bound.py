@@ -6,10 +6,10 @@ Arkiv for Matematik 2, 1953)
     J_ij = T integral over f of tr(S^-1 dS/da_i S^-1 dS/da_j),    S(f): spectral matrix of [a_s, a_us], `response`
 
 for a = (ln k_t, ln G, w_l, w_s): the road's level G and its two slopes (`roughness`) are known (bound 1 / sqrt(J_11))
-or not (the Schur complement). No unbiased estimator has a smaller std. One that knows more beforehand is bound by van Trees' inequality instead: the information
-of the prior adds to J (Detection, Estimation, and Modulation Theory I, 1968, ch. 2.4). A uniform prior has no Fisher
-information of its own; it counts as the Gaussian one of the same std. Left out: anything that is not known of the
-quarter car, low frequencies whose few periods T holds.
+or not (the Schur complement). No unbiased estimator has a smaller std. One that knows more beforehand is bound by van
+Trees' inequality instead: the information of the prior adds to J (Detection, Estimation, and Modulation Theory I, 1968,
+ch. 2.4). A uniform prior has no Fisher information of its own; it counts as the Gaussian one of the same std. Left out:
+anything that is not known of the quarter car, low frequencies whose few periods T holds.
 """
 
 from __future__ import annotations

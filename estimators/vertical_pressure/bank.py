@@ -1,11 +1,11 @@
 """The bank of linear filters over stiffness and road, for the present speed, of one axle's two wheels.
 
-Nodes: `STIFFNESSES` (13 % apart), the road's two slopes (`quarter_car.roughness`), and levels lambda (`LEVELS`, a factor 16 apart:
-only the sensor's noise, which is not in proportion to the level, makes a filter of one level unfit for another; what
-lies between all nodes is `posterior`'s). Each filter is the best linear prediction of a sample from those of the last
-second (`prediction`). Filters depend on speed through the waves that it makes of the road and the footprint's delay;
-they are designed when the speed has moved by `SPEED_STEP` and kept for when it comes back. All of them hear every
-sample, whatever they are believed.
+Nodes: `STIFFNESSES` (13 % apart), the road's two slopes (`quarter_car.roughness`), and levels lambda (`LEVELS`, a
+factor 16 apart: only the sensor's noise, which is not in proportion to the level, makes a filter of one level unfit for
+another; what lies between all nodes is `posterior`'s). Each filter is the best linear prediction of a sample from those
+of the last second (`prediction`). Filters depend on speed through the waves that it makes of the road and the
+footprint's delay; they are designed when the speed has moved by `SPEED_STEP` and kept for when it comes back. All of
+them hear every sample, whatever they are believed.
 """
 
 from __future__ import annotations
@@ -99,4 +99,3 @@ class AxleBank:
         if self._place is None or abs(exact - self._place) > 0.75:
             self._place = round(exact)
         return _designed(self.quarter, self.beside, self._place)
-

@@ -1,11 +1,11 @@
 """What a hub's decimated acceleration looks like to the bank: its autocovariance, for any road of two slopes.
 
-The quarter car, belt and footprint of `chain` in the frequency domain (the footprint's delay in the same Pade form),
-and the body that it shares with the other axle of its side, which rolls over the same road a wheelbase earlier or later
-(equations: `axles.response`; the body rolls, 1 / m_c):
+The quarter car, belt and footprint of `chain` in the frequency domain (the footprint without its Pade form, which at 10
+m/s puts the wave that two cams do not feel 10 % too high), and the body, which is shared with the other axle of its
+side; that rolls over the same road a wheelbase earlier or later (equations: `axles.response`; the body rolls, 1 / m_c):
 
     F = (k + i w c) (z_us - z_s)        -w^2 z_s = F / m_s + F_o / m_c        -w^2 z_so = F_o / m_so + F / m_c
-    |foot|^2 = (1 - x^2/12)^2 / ((1 - x^2/12)^2 + x^2/4) + BLIND,    x = w l / v
+    |foot|^2 = cos(w l / 2 v)^2 + BLIND
 
 The other axle makes a comb of +-8 % over w wheelbase / v of the hub's spectrum. Where the road's slopes are known it
 averages out over the band; where they are not it tilts the spectrum, and k_t was 9 % of a factor e of speed off without
@@ -24,11 +24,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import kv
 
+from estimators.quarter_car.roughness import shape
 from estimators.vertical_pressure.anti_alias import HIGH_PASS, STEP, analogue
 from estimators.vertical_pressure.chain import REFERENCE_STIFFNESS, SIDEWALL, Quarter
-from estimators.quarter_car.roughness import shape
 
-BLIND = 0.005  # of |foot|^2: a contact patch has a width, and no wave at which nothing comes through
+BLIND = 0.02  # of |foot|^2: a contact patch has a width, and no wave at which nothing comes through
 POINTS = 1024  # of the circle of lags: 16 s, after which nothing is left
 _IMAGES = 2  # of the sampling rate, either side: beyond 94 Hz the low-pass leaves nothing
 
@@ -94,10 +94,9 @@ def _corner(
     strut = quarter.spring_rate + 1j * w * quarter.damping
     belt = sidewall + contact - w2 * quarter.belt_mass
     wheel = strut + sidewall - w2 * quarter.unsprung_mass - sidewall**2 / belt
-    x2 = (w * quarter.footprint * (k / REFERENCE_STIFFNESS) ** -quarter.softer / speed) ** 2
-    straight = 1.0 - x2 / 12.0
-    foot = np.sqrt(straight**2 / (straight**2 + 0.25 * x2) + BLIND)
-    return strut, wheel, foot * sidewall * contact / belt
+    x = w * quarter.footprint * (k / REFERENCE_STIFFNESS) ** -quarter.softer / speed
+    foot = np.sqrt(np.cos(0.5 * x) ** 2 + BLIND)
+    return np.asarray(strut), np.asarray(wheel), np.asarray(foot * sidewall * contact / belt)
 
 
 def autocovariance(

@@ -1,7 +1,7 @@
 """The least standard deviation that anyone could state of a tyre's stiffness by now: the bound beside the report.
 
-Posterior Cramer-Rao bound of (ln k_t, ln lambda, w_l, w_s), stiffness and road (`quarter_car.roughness`) (Tichavsky, Muravchik,
-Nehorai, IEEE Trans. Signal Processing 46, 1998):
+Posterior Cramer-Rao bound of (ln k_t, ln lambda, w_l, w_s), stiffness and road (`quarter_car.roughness`) (Tichavsky,
+Muravchik, Nehorai, IEEE Trans. Signal Processing 46, 1998):
 
     J <- (J^-1 + Q)^-1 while time passes,    J <- J + seconds * J_1 while the wheel is heard
 
@@ -29,7 +29,6 @@ from estimators.vertical_pressure.posterior import (
     STIFFNESS_DRIFT,
     moments,
 )
-
 
 _Q = np.diag([STIFFNESS_DRIFT**2, LEVEL_DRIFT**2, 0.0, SHORT_DRIFT**2])  # of 1 s
 # From 8 to 33 m/s and class A to D J_1 moves by 5 %; here it is largest

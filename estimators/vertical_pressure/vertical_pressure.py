@@ -1,9 +1,9 @@
 """Estimator `vertical_pressure`: vertical stiffness and pressure of each tyre from its hub's acceleration, on any road.
 
 Seed: Brancati & Tufano, Machines 2022, 10, 1221. Their filters are given a road that no car knows (`unscented_imm`);
-here the road is noise of unknown level and unknown slopes (`quarter_car.roughness`), and a bank of linear filters over stiffness
-and road is weighted by likelihood (`bank`, `posterior`), which reaches the Cramer-Rao bound (`quarter_car.bound`).
-Estimates each `SAY` blocks (half a second):
+here the road is noise of unknown level and unknown slopes (`quarter_car.roughness`), and a bank of linear filters over
+stiffness and road is weighted by likelihood (`bank`, `posterior`), which reaches the Cramer-Rao bound
+(`quarter_car.bound`). Estimates each `SAY` blocks (half a second):
 
     WHEEL/stiffness    at the mean static load and the present speed [N/m]
     WHEEL/pressure     by the maker's tyre law, taken for exact [Pa]
@@ -32,6 +32,7 @@ from estimators.estimator import Estimate, Estimator, Outputs
 from estimators.grid import Channel
 from estimators.grid_blocks import GridBlocks
 from estimators.quarter_car.quarter_car import quarter_masses
+from estimators.quarter_car.roughness import WAVINESS
 from estimators.quarter_car.tyre_law import TyreLaw
 from estimators.vertical_pressure.bank import QUIET, AxleBank, heard_by
 from estimators.vertical_pressure.corner import (
@@ -47,7 +48,6 @@ from estimators.vertical_pressure.intake import BLOCK, HubIntake
 from estimators.vertical_pressure.limit import Limit
 from estimators.vertical_pressure.posterior import FINE_SHORT, LOG_LEVEL, LOG_STIFFNESS, Posterior, moments
 from estimators.vertical_pressure.prediction import MEMORY
-from estimators.quarter_car.roughness import WAVINESS
 
 SAY = 2  # blocks from one estimate to the next
 SLOWEST, FASTEST = 7.0, 90.0  # m/s

@@ -1,7 +1,7 @@
 """The least error of the pressure that any method could have in a drive: `quarter_car.bound`, in van Trees' form.
 
-Road level unknown, both its slopes too but for their prior (`quarter_car.roughness`), prior of the pressure that of the study (uniform, counted by its std), the identified quarter car
-of each axle, both accelerometers to 50 Hz.
+Road level unknown, both its slopes too but for their prior (`quarter_car.roughness`), prior of the pressure that of the
+study (uniform, counted by its std), the identified quarter car of each axle, both accelerometers to 50 Hz.
 """
 
 from __future__ import annotations
