@@ -14,6 +14,8 @@ import pytest
 from estimators.car import AXLES, Car
 from estimators.drive_log import WHEELS
 from estimators.quarter_car.bound import Setting, relative_stiffness_std
+from estimators.quarter_car.road_shape import class_spectrum
+from testbed.roads.spectrum import octave_means, periodogram
 from testbed.scenario import Scenario
 from testbed.study.study import StudyRow
 from testbed.study.vertical_pressure import changes, errors
@@ -23,7 +25,7 @@ from testbed.study.vertical_pressure.published import words_of
 from testbed.study.vertical_pressure.tasks import EACH, LEVELS, SPEEDS, nearest_class, tasks
 from testbed.study.vertical_pressure.told import CAR_FIELDS, HIGHEST, LAW_ERROR, LOWEST, TOLD_ERROR, right, wrong
 from testbed.study.vertical_pressure.vertical_pressure import VerticalPressureStudy
-from testbed.study.vertical_pressure.waviness import settled, unknown_waviness_std, waviness_of
+from testbed.study.vertical_pressure.waviness import profile, settled, waviness_of
 from testbed.study.vertical_pressure.work import FINE, work
 
 ROAD = Path("road.txt")
@@ -152,7 +154,18 @@ def test_a_road_steeper_than_believed_reads_as_a_softer_tyre_and_a_believed_one_
     assert settled(*place, 1.9) - place[0] > 0.04
     assert settled(*place, 2.1) - place[0] < -0.04
     bound = Setting(linear_quarter("front"), 226e3, 4e-6, 60.0 / 3.6)
-    assert unknown_waviness_std(*place, 10.0, math.inf) > 1.3 * relative_stiffness_std(bound, 10.0)
+    assert relative_stiffness_std(bound, 10.0, waviness_std=math.inf) > 1.3 * relative_stiffness_std(bound, 10.0)
+
+
+def test_profile_has_its_waviness_and_class_b_s_level_where_level_and_slope_part() -> None:
+    for waviness in (1.8, 3.0):
+        x, z = profile(waviness, 3, 1600.0)
+        n, power = periodogram(z, float(x[1] - x[0]))
+        low, level = octave_means(n, power, 0.04, 5.12)
+        slope, at = np.polyfit(np.log(low * math.sqrt(2.0) * 2.0 * math.pi / 4.0), np.log(level), 1)
+        assert -slope == pytest.approx(waviness, abs=0.1)
+        wanted = class_spectrum("B") / 16.0 * 2.0 * math.pi
+        assert at == pytest.approx(math.log(wanted), abs=0.15)  # means of octaves of a steep spectrum
 
 
 def test_waviness_of_a_profile_is_the_one_it_was_made_with(tmp_path: Path) -> None:

@@ -1,4 +1,4 @@
-"""One side of the car: front and rear stiffness, road level and what coherence is left, followed block by block.
+"""One side of the car: front and rear stiffness, the road's level and slopes, what coherence is left, by blocks.
 
 State theta of `likelihood`, Gaussian with covariance P. Between blocks it wanders (`WANDER`), and nu comes back to what
 the car shows on an open road (`OPEN_ROAD`). A block moves it to the maximum of
@@ -25,19 +25,22 @@ from estimators.compiled import compiled
 from estimators.quarter_car.road_shape import class_spectrum
 from estimators.quarter_car.roughness import WAVINESS, WAVINESS_STD
 from estimators.vertical_pressure.bank import SENSOR_STD
+from estimators.vertical_pressure.posterior import LEVEL_DRIFT, SHORT_DRIFT, STIFFNESS_DRIFT
 
 NOISE = 2.0 * SENSOR_STD**2 / 1000.0  # N [(m/s^2)^2/Hz]: the sensor's density
-# Declared. ln k as in `vertical_pressure.posterior`; another surface within a second; 8 mm of a wheelbase in a
+# Declared. ln k, level and slopes as in `vertical_pressure.posterior`; 8 mm of a wheelbase in a
 # second, since driving and braking slip, and bend the hubs' bushes (tuned: with 0.5 mm a braked car seemed 6 % softer
-# in front, with 20 mm nothing is gained); slopes of the road: another road in some minutes; coherence: a factor 1.3 in
-# a second
-WANDER = np.array([1e-3, 1e-3, 0.15, 8e-3, 0.03, 0.03, *[0.3] * BANDS])  # std after 1 s
+# in front, with 20 mm nothing is gained); coherence: a factor 1.3 in a second
+WANDER = np.array(  # std after 1 s
+    [STIFFNESS_DRIFT, STIFFNESS_DRIFT, LEVEL_DRIFT, 8e-3, SHORT_DRIFT, SHORT_DRIFT, *[0.3] * BANDS]
+)
 LEVEL_STD, SHIFT_STD = 3.0, 0.02  # at the start; m: rolling radius 0.7 % off
 OPEN_ROAD, OPEN_STD, BACK = np.log(0.015), 1.5, 0.02  # nu: mean, std, 1/s
 LOWEST_LOSS, HIGHEST_LOSS = np.log(5e-4), np.log(0.98)  # of nu
 LEAST_G, MOST_G = np.log(1e-9), np.log(1.0)
+FLATTEST, STEEPEST = 0.5, 4.5  # of the road's slopes
 _STATES, _BINS, _LOSS, _LOW, _HIGH = STATES, BINS, LOSS, LOWEST_LOSS, HIGHEST_LOSS
-_LEAST_G, _MOST_G = LEAST_G, MOST_G
+_LEAST_G, _MOST_G, _FLATTEST, _STEEPEST = LEAST_G, MOST_G, FLATTEST, STEEPEST
 _MOST, _ENOUGH = 12, 0.1  # steps; of a standard deviation
 _LONGEST = np.array([0.1, 0.1, 1.0, 0.01, 0.5, 0.5, *[0.7] * BANDS])  # of one step
 
@@ -70,6 +73,8 @@ def settle(axles, theta, P, Y, speed, stretch, shape, bend, gamma, noise, band, 
         for i in range(_LOSS, n):
             theta[i] = min(max(theta[i], _LOW), _HIGH)
         theta[2] = min(max(theta[2], _LEAST_G), _MOST_G)
+        for i in range(4, 6):
+            theta[i] = min(max(theta[i], _FLATTEST), _STEEPEST)
         if done:
             break
     expect(axles, theta, speed, stretch, shape, bend, H, slope)

@@ -1,11 +1,11 @@
 """The bank of linear filters over stiffness and road, for the present speed, of one axle's two wheels.
 
-Nodes: `STIFFNESSES` (13 % apart), the road's two slopes (`roughness`), and levels lambda (`LEVELS`, a factor 16 apart:
-only the sensor's noise, which is not in proportion to the level, makes a filter of one level unfit for another; what
-lies between all nodes is `posterior`'s). Each filter is the best linear prediction of a sample from those of the last
-second (`prediction`). Filters depend on speed through the waves that it makes of the road and the footprint's delay;
-they are designed when the speed has moved by `SPEED_STEP` and kept for when it comes back. All of them hear every
-sample, whatever they are believed.
+Nodes: `STIFFNESSES` (13 % apart), the road's two slopes (`quarter_car.roughness`), and levels lambda (`LEVELS`, a
+factor 16 apart: only the sensor's noise, which is not in proportion to the level, makes a filter of one level unfit for
+another; what lies between all nodes is `posterior`'s). Each filter is the best linear prediction of a sample from those
+of the last second (`prediction`). Filters depend on speed through the waves that it makes of the road and the
+footprint's delay; they are designed when the speed has moved by `SPEED_STEP` and kept for when it comes back. All of
+them hear every sample, whatever they are believed.
 """
 
 from __future__ import annotations
@@ -19,15 +19,16 @@ from numpy.typing import NDArray
 from estimators.compiled import compiled
 from estimators.vertical_pressure.anti_alias import RATE, STEP
 from estimators.vertical_pressure.chain import Quarter
-from estimators.vertical_pressure.hub_spectrum import autocovariance
+from estimators.vertical_pressure.hub_spectrum import Beside, autocovariance
 from estimators.vertical_pressure.innovations import ERROR_UNIT
 from estimators.vertical_pressure.prediction import MEMORY, predictors
-from estimators.vertical_pressure.roughness import LONG, SHORT
 
 STIFFNESSES = np.exp(np.linspace(math.log(95e3), math.log(370e3), 12))  # N/m
+LONG = np.array([1.4, 2.0, 2.6])  # w_l: what it does to the stiffness is little
+SHORT = np.linspace(1.0, 3.8, 8)  # w_s
 LEVELS = 0.0625e-6 * 16.0 ** np.arange(4.0)  # lambda [m^3/rad]; above the last one the sensor is silent
 NODES = (len(STIFFNESSES), len(LONG), len(SHORT), len(LEVELS))  # in this order
-SPEED_STEP = 0.05  # of ln speed: the footprint is a fortieth wrong at most
+SPEED_STEP = 0.03  # of ln speed: the other axle is a fiftieth of a wheelbase wrong at most
 _KEPT = 96  # designs, 600 kB each
 SENSOR_STD = 0.5  # m/s^2 at 1 kHz: the paper's data sheet
 SENSOR_VARIANCE = SENSOR_STD**2 / (RATE * STEP)  # of a decimated sample: the same density over its narrower band
@@ -36,10 +37,10 @@ QUIET = 3.0 * SENSOR_VARIANCE
 _MEMORY = MEMORY
 
 
-def design(quarter: Quarter, speed: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def design(quarter: Quarter, beside: Beside, speed: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Filters (MEMORY + 1, all nodes), over their innovations' standard deviation for lambda = 1, and ln of its square,
     NODES. Speed [m/s]."""
-    covariance = autocovariance(quarter, STIFFNESSES, speed, LONG, SHORT, MEMORY)
+    covariance = autocovariance(quarter, beside, STIFFNESSES, speed, LONG, SHORT, MEMORY)
     white = quarter.hub_error * ERROR_UNIT * speed + SENSOR_VARIANCE / LEVELS
     flat = covariance.reshape(-1, MEMORY + 1)
     filters, log_variance = np.empty((len(flat), len(white), MEMORY + 1)), np.empty((len(flat), len(white)))
@@ -81,15 +82,15 @@ def heard_by(filters: NDArray[np.float64], heard: NDArray[np.float64]) -> NDArra
 
 
 @lru_cache(maxsize=_KEPT)
-def _designed(quarter: Quarter, place: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    return design(quarter, math.exp(place * SPEED_STEP))
+def _designed(quarter: Quarter, beside: Beside, place: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    return design(quarter, beside, math.exp(place * SPEED_STEP))
 
 
 class AxleBank:
     """Filters of one axle by speed. A speed is rounded to a grid of SPEED_STEP, the last one kept while it is near."""
 
-    def __init__(self, quarter: Quarter) -> None:
-        self.quarter = quarter
+    def __init__(self, quarter: Quarter, beside: Beside) -> None:
+        self.quarter, self.beside = quarter, beside
         self._place: int | None = None
 
     def at(self, speed: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -97,4 +98,4 @@ class AxleBank:
         exact = math.log(speed) / SPEED_STEP
         if self._place is None or abs(exact - self._place) > 0.75:
             self._place = round(exact)
-        return _designed(self.quarter, self._place)
+        return _designed(self.quarter, self.beside, self._place)

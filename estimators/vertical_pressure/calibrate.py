@@ -15,30 +15,36 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from estimators.vertical_pressure.anti_alias import STEP
 from estimators.vertical_pressure.bank import AxleBank, heard_by
 from estimators.vertical_pressure.chain import Quarter
 from estimators.vertical_pressure.corner import Corner
+from estimators.vertical_pressure.hub_spectrum import Beside
 from estimators.vertical_pressure.identify import SETTLE, KnownDrive
 from estimators.vertical_pressure.posterior import LOG_STIFFNESS, Posterior, moments
 from estimators.vertical_pressure.prediction import MEMORY
 
 SCALED = ("sprung_mass", "unsprung_mass", "belt_mass", "spring_rate", "damping")
+BLOCK = 64  # samples: what is known of the level within one is still wider than a cell
 LEAST_STD = 0.003  # Declared: no tuning drives show less
 
 
-def log_stiffness(quarter: Quarter, drive: KnownDrive) -> tuple[float, float]:
-    """Mean and std of ln k_t after a whole drive of one stiffness and one road, both unknown beforehand."""
-    filters, log_variance = AxleBank(quarter).at(drive.speed)
-    count = (len(drive.samples) - SETTLE) // 4 * 4
-    heard = drive.samples[SETTLE - MEMORY : SETTLE + count].copy()
+def log_stiffness(quarter: Quarter, beside: Beside, drive: KnownDrive) -> tuple[float, float]:
+    """Mean and std of ln k_t after a whole drive, the road as unknown as in the estimator."""
+    filters, log_variance = AxleBank(quarter, beside).at(drive.speed)
     posterior = Posterior(np.ones(len(LOG_STIFFNESS)))
-    posterior.take(heard_by(filters, heard), log_variance, count)
+    for first in range(SETTLE, len(drive.samples) - BLOCK + 1, BLOCK):
+        posterior.pass_time(BLOCK * STEP)
+        heard = drive.samples[first - MEMORY : first + BLOCK].copy()
+        posterior.take(heard_by(filters, heard), log_variance, BLOCK)
     return moments(posterior.stiffness(), LOG_STIFFNESS)
 
 
-def errors(quarter: Quarter, drives: Sequence[KnownDrive]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def errors(
+    quarter: Quarter, beside: Beside, drives: Sequence[KnownDrive]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """e and s of each drive, (n,)."""
-    said = np.array([log_stiffness(quarter, drive) for drive in drives])
+    said = np.array([log_stiffness(quarter, beside, drive) for drive in drives])
     return said[:, 0] - np.log([drive.tyre_stiffness for drive in drives]), said[:, 1]
 
 
@@ -47,8 +53,8 @@ def rescaled(quarter: Quarter, factor: float) -> Quarter:
     return quarter._replace(**{name: factor * getattr(quarter, name) for name in SCALED})
 
 
-def calibrated(quarter: Quarter, drives: Sequence[KnownDrive]) -> Corner:
+def calibrated(quarter: Quarter, beside: Beside, drives: Sequence[KnownDrive]) -> Corner:
     """The corner with its scale and its systematic standard deviation."""
-    right = rescaled(quarter, math.exp(-float(np.mean(errors(quarter, drives)[0]))))
-    e, s = errors(right, drives)
+    right = rescaled(quarter, math.exp(-float(np.mean(errors(quarter, beside, drives)[0]))))
+    e, s = errors(right, beside, drives)
     return Corner(right, max(math.sqrt(max(float(np.mean(e**2 - s**2)), 0.0)), LEAST_STD))

@@ -15,8 +15,10 @@ from typing import Any
 from estimators.car import AXLES, Car
 from estimators.quarter_car.quarter_car import quarter_masses
 from estimators.vertical_pressure.chain import Quarter
+from estimators.vertical_pressure.hub_spectrum import Beside
 
 SOFTER = 0.6  # contact length over stiffness at one load: MF 6.1, between its square root and its linear term
+ROLL_GYRATION = 0.39  # of the track: SUVs in NHTSA's inertia tables lie at 0.38 to 0.42
 HUB_ERROR = 0.005  # Declared: the model explains all but half a per cent of what is new in a sample
 USUAL_STD = 0.25  # of nominal pressure. Declared: tyres in use, leaks among them
 TYRES, EXPECTED = "tyres", ("pressure", "pressure_std")
@@ -48,6 +50,16 @@ def maker_corner(car: Car, axle: str) -> Corner:
         hub_error=HUB_ERROR,
     )
     return Corner(quarter, MAKER_STD)
+
+
+def beside(car: Car, corners: Mapping[str, Corner], axle: str) -> Beside:
+    """The other axle as a corner of `axle` feels it: by the car's drawing, the roll inertia M (`ROLL_GYRATION` track)^2
+    alone, since pitch and heave of a car with pitch inertia M a b leave the other axle at rest."""
+    front = axle == "front"
+    track = 0.5 * (car.front_track + car.rear_track)
+    coupling = 0.25 / (ROLL_GYRATION**2 * car.chassis_mass)
+    other = corners["rear" if front else "front"].quarter
+    return Beside(other, coupling, car.wheelbase if front else -car.wheelbase, track)
 
 
 def from_document(document: Mapping[str, Any]) -> dict[str, Corner]:

@@ -1,6 +1,7 @@
 """The least standard deviation that anyone could state of a tyre's stiffness by now: the bound beside the report.
 
-Posterior Cramer-Rao bound of (ln k_t, ln G) (Tichavsky, Muravchik, Nehorai, IEEE Trans. Signal Processing 46, 1998):
+Posterior Cramer-Rao bound of (ln k_t, ln lambda, w_l, w_s), stiffness and road (`quarter_car.roughness`) (Tichavsky,
+Muravchik, Nehorai, IEEE Trans. Signal Processing 46, 1998):
 
     J <- (J^-1 + Q)^-1 while time passes,    J <- J + seconds * J_1 while the wheel is heard
 
@@ -18,10 +19,18 @@ import numpy as np
 
 from estimators.quarter_car.bound import Setting
 from estimators.quarter_car.quarter_car import QuarterCar
+from estimators.quarter_car.roughness import WAVINESS_STD
 from estimators.vertical_pressure.chain import Quarter
-from estimators.vertical_pressure.posterior import LEVEL_DRIFT, LOG_LEVEL, LOG_STIFFNESS, STIFFNESS_DRIFT, moments
+from estimators.vertical_pressure.posterior import (
+    LEVEL_DRIFT,
+    LOG_LEVEL,
+    LOG_STIFFNESS,
+    SHORT_DRIFT,
+    STIFFNESS_DRIFT,
+    moments,
+)
 
-_Q = np.diag([STIFFNESS_DRIFT**2, LEVEL_DRIFT**2])  # of 1 s
+_Q = np.diag([STIFFNESS_DRIFT**2, LEVEL_DRIFT**2, 0.0, SHORT_DRIFT**2])  # of 1 s
 # From 8 to 33 m/s and class A to D J_1 moves by 5 %; here it is largest
 _SPEED, _LEVEL = 30.0, 64e-6  # m/s, m^3/rad
 _STEP = 0.1  # of ln k_t, over which J_1 is the same
@@ -34,7 +43,7 @@ class Limit:
         """prior: probability of each exp(LOG_STIFFNESS); every level of LOG_LEVEL equally likely."""
         _, stiffness = moments(prior / prior.sum(), LOG_STIFFNESS)
         level = float(np.ptp(LOG_LEVEL)) / math.sqrt(12.0)
-        self._information = np.diag([stiffness**-2.0, level**-2.0])
+        self._information = np.diag([stiffness**-2.0, level**-2.0, WAVINESS_STD**-2.0, WAVINESS_STD**-2.0])
 
     def pass_time(self, seconds: float) -> None:
         """The tyre and the road may change."""

@@ -7,11 +7,11 @@ given the drifts). Over the level each filter has its own law of the log-likelih
     -(s / lambda + N ln lambda + N ln S) / 2,    s = sum nu^2 / S
 
 blended between the nodes of the level; over w_s and stiffness ln s and ln S are interpolated by cubics: s itself, and
-the likelihood, rise too steeply where a soft tyre's long footprint blinds a slow car's filter. From block to block the stiffness drifts (warming) and may jump (a leak), the road's
-level and short slope drift, and the road may jump: another surface, of which no more is known than at the start. That
-level and slope wander costs next to nothing: unknown they are anyway, and what is lost with them is lost in each
-second alike. This is the multiple-model estimate in which a mode is a stiffness and a road; the single filters need no
-mixing, since they hear everything.
+the likelihood, rise too steeply where a soft tyre's long footprint blinds a slow car's filter. From block to block the
+stiffness drifts (warming) and may jump (a leak), the road's level and short slope drift, and the road may jump: another
+surface, of which no more is known than at the start. That level and slope wander costs next to nothing: unknown they
+are anyway, and what is lost with them is lost in each second alike. This is the multiple-model estimate in which a mode
+is a stiffness and a road; the single filters need no mixing, since they hear everything.
 """
 
 from __future__ import annotations
@@ -22,8 +22,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimators.compiled import compiled
-from estimators.vertical_pressure.bank import LEVELS, STIFFNESSES
-from estimators.vertical_pressure.roughness import LONG, SHORT, prior
+from estimators.quarter_car.roughness import prior
+from estimators.vertical_pressure.bank import LEVELS, LONG, SHORT, STIFFNESSES
 
 PER_STIFFNESS, PER_SHORT, PER_LEVEL = 5, 2, 11  # fine cells a node
 HIGHEST_LEVEL = 1e-3  # lambda [m^3/rad]: class E and F
@@ -114,7 +114,7 @@ def likelihood(log_summed, log_variance, count, per_level, log_level, out):
 def taken(p, log_likelihood, highest):
     """Bayes: p times exp(log_likelihood), normalised, in place; both (cells, levels). highest: of log_likelihood.
 
-    The exponential is one that a processor's vectors can do: the 64th power of a Taylor polynomial, to 1e-10; cells
+    The exponential is one that a processor's vectors can do: the 128th power of a Taylor polynomial, to 1e-8; cells
     that are e^-64 less likely than the best are taken for that.
     """
     rows, columns = p.shape
@@ -122,7 +122,7 @@ def taken(p, log_likelihood, highest):
     for i in range(rows):
         for f in range(columns):
             x = log_likelihood[i, f] - highest
-            x = (x if x > -64.0 else -64.0) * (1.0 / 64.0)
+            x = (x if x > -64.0 else -64.0) * (1.0 / 128.0)
             y = _C[10]
             y = y * x + _C[9]
             y = y * x + _C[8]
@@ -134,6 +134,7 @@ def taken(p, log_likelihood, highest):
             y = y * x + _C[2]
             y = y * x + 1.0
             y = y * x + 1.0
+            y *= y
             y *= y
             y *= y
             y *= y

@@ -1,9 +1,9 @@
 """Estimator `vertical_pressure`: vertical stiffness and pressure of each tyre from its hub's acceleration, on any road.
 
 Seed: Brancati & Tufano, Machines 2022, 10, 1221. Their filters are given a road that no car knows (`unscented_imm`);
-here the road is noise of unknown level and unknown slopes (`roughness`), and a bank of linear filters over stiffness
-and road is weighted by likelihood (`bank`, `posterior`), which reaches the Cramer-Rao bound (`quarter_car.bound`).
-Estimates each `SAY` blocks (half a second):
+here the road is noise of unknown level and unknown slopes (`quarter_car.roughness`), and a bank of linear filters over
+stiffness and road is weighted by likelihood (`bank`, `posterior`), which reaches the Cramer-Rao bound
+(`quarter_car.bound`). Estimates each `SAY` blocks (half a second):
 
     WHEEL/stiffness    at the mean static load and the present speed [N/m]
     WHEEL/pressure     by the maker's tyre law, taken for exact [Pa]
@@ -32,11 +32,13 @@ from estimators.estimator import Estimate, Estimator, Outputs
 from estimators.grid import Channel
 from estimators.grid_blocks import GridBlocks
 from estimators.quarter_car.quarter_car import quarter_masses
+from estimators.quarter_car.roughness import WAVINESS
 from estimators.quarter_car.tyre_law import TyreLaw
 from estimators.vertical_pressure.bank import QUIET, AxleBank, heard_by
 from estimators.vertical_pressure.corner import (
     TYRES,
     Corner,
+    beside,
     expected_pressure,
     from_document,
     maker_corner,
@@ -46,14 +48,13 @@ from estimators.vertical_pressure.intake import BLOCK, HubIntake
 from estimators.vertical_pressure.limit import Limit
 from estimators.vertical_pressure.posterior import FINE_SHORT, LOG_LEVEL, LOG_STIFFNESS, Posterior, moments
 from estimators.vertical_pressure.prediction import MEMORY
-from estimators.vertical_pressure.roughness import WAVINESS
 
 SAY = 2  # blocks from one estimate to the next
 SLOWEST, FASTEST = 7.0, 90.0  # m/s
 CLASSES = "ABCD"
 USUAL_SPEED = 20.0  # m/s of the prior
 _MS = 1e-3
-# log4 of G(1 rad/m), (shorts, levels): w_s - 2 more than that of lambda (`roughness`)
+# log4 of G(1 rad/m), (shorts, levels): w_s - 2 more than that of lambda (`quarter_car.roughness`)
 _LEVEL = (LOG_LEVEL - np.log(1e-6)) / np.log(4.0) + (FINE_SHORT[:, None] - WAVINESS)
 _CLASS = np.clip(np.rint(_LEVEL), 0, len(CLASSES) - 1).astype(int)
 CHANNELS = (
@@ -117,7 +118,9 @@ class VerticalPressure(Estimator):
     def _use(self, corners: Mapping[str, Corner], expected: tuple[float, float]) -> None:
         self._corners = corners
         self._wheels = tuple(_Wheel(self.car, name, expected) for name in WHEELS)
-        self._banks = {axle: AxleBank(corner.quarter) for axle, corner in corners.items()}
+        self._banks = {
+            axle: AxleBank(corner.quarter, beside(self.car, corners, axle)) for axle, corner in corners.items()
+        }
 
     def use_calibration(self, document: Mapping[str, Any]) -> None:
         """The identified corners and what is expected of the tyres, see `corner`; forgets what was heard."""

@@ -10,6 +10,7 @@ pressure is the tyre's law, as for a real car, not the simulator's truth. A quar
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Iterator, Sequence
 from typing import Any
 
@@ -21,7 +22,7 @@ from estimators.drive_log import WHEELS
 from estimators.quarter_car.quarter_car import quarter_masses
 from estimators.quarter_car.tyre_law import TyreLaw
 from estimators.vertical_pressure.calibrate import calibrated
-from estimators.vertical_pressure.corner import Corner, maker_corner, to_document
+from estimators.vertical_pressure.corner import Corner, beside, maker_corner, to_document
 from estimators.vertical_pressure.identify import KnownDrive, identify
 from estimators.vertical_pressure.intake import BLOCK, HubIntake
 from testbed.notes import known_car
@@ -72,11 +73,13 @@ def known_drives(count: int = DRIVES, duration: float = DURATION) -> Iterator[tu
 
 def corners(car: Car, drives: Sequence[tuple[str, KnownDrive]]) -> dict[str, Corner]:
     """One an axle."""
-    found = {}
-    for axle in AXLES:
-        own = [drive for name, drive in drives if name == axle]
-        found[axle] = calibrated(identify(maker_corner(car, axle).quarter, own).quarter, own)
-    return found
+    maker = {axle: maker_corner(car, axle) for axle in AXLES}
+    own = {axle: [drive for name, drive in drives if name == axle] for axle in AXLES}
+    found = {
+        axle: dataclasses.replace(corner, quarter=identify(corner.quarter, own[axle]).quarter)
+        for axle, corner in maker.items()
+    }
+    return {axle: calibrated(found[axle].quarter, beside(car, found, axle), own[axle]) for axle in AXLES}
 
 
 def document() -> dict[str, Any]:

@@ -1,7 +1,7 @@
 """The least error of the pressure that any method could have in a drive: `quarter_car.bound`, in van Trees' form.
 
-Road level unknown, prior of the pressure that of the study (uniform, counted by its std), the identified quarter car
-of each axle, both accelerometers to 50 Hz.
+Road level unknown, both its slopes too but for their prior (`quarter_car.roughness`), prior of the pressure that of the
+study (uniform, counted by its std), the identified quarter car of each axle, both accelerometers to 50 Hz.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ from estimators.car import AXLES, GRAVITY
 from estimators.drive_log import WHEELS
 from estimators.quarter_car.bound import Setting, pressure_std
 from estimators.quarter_car.quarter_car import QuarterCar, quarter_masses
+from estimators.quarter_car.roughness import WAVINESS_STD
 from estimators.quarter_car.tyre_law import TyreLaw
 from estimators.vertical_pressure.corner import from_document
 from models.identified import identified
@@ -40,5 +41,7 @@ def bounds(heard: Heard, spectrum: float, times: Sequence[float]) -> NDArray[np.
         setting = Setting(linear_quarter(AXLES[w // 2]), stiffness, spectrum, speed)
         slope = float(law.pressure_std(stiffness, speed, load))
         for t, seconds in enumerate(times):
-            found[t, w] = pressure_std(setting, seconds, slope, pressure_prior_std=EXPECTED_STD)
+            found[t, w] = pressure_std(
+                setting, seconds, slope, waviness_std=WAVINESS_STD, pressure_prior_std=EXPECTED_STD
+            )
     return found

@@ -8,6 +8,7 @@
     switch      class A for 5 s, then class D (Figure 9)
     drop        class B, all tyres from 230 to 180 kPa in 1.5 s (Figure 10)
     mass        class B, payload 0, +8 % and +24 % of the body's mass, on one road (Figure 11)
+    waviness    roads of one slope that is not -2, 30 s; estimators alone
     measured    the measured road (Figures 12 and 13)
     show        class A and class D (Figures 7 and 8); only in the first repetition
     fit         one drive for Figure 5; only in the first repetition
@@ -44,8 +45,9 @@ BEFORE_DROP, AFTER_DROP = 230e3, 180e3
 MASSES = {"0": 0.0, "8": 140.0, "24": 430.0}  # kg: 1928 and 2218 kg in place of 1788, as published
 MASS_LONG = 30.0
 MEASURED_LONG = 30.0  # s: 500 m of the 544 at 60 km/h
+WAVINESSES, WAVY_LONG = (1.8, 2.2, 2.5, 3.0), 30.0  # -, s
 SMALL = 0.2  # of the durations
-KINDS = ("classes", "levels", "short", "switch", "drop", "mass", "measured", "show", "fit")
+KINDS = ("classes", "levels", "short", "switch", "drop", "mass", "waviness", "measured", "show", "fit")
 
 
 def gd_road(spectrum: float) -> str:
@@ -115,5 +117,7 @@ class _Repetition:
                 payload_position=(0.0, 0.0, 0.0),
             )  # fmt: skip
             yield heavy | {"percent": percent}
+        for i, waviness in enumerate(WAVINESSES[: 1 if self._small else None]):
+            yield self._one("waviness", 50 + i, "B", math.nan, WAVY_LONG) | {"waviness": waviness}
         if measured is not None:
             yield self._one("measured", 25, str(measured), math.nan, MEASURED_LONG, **shown)

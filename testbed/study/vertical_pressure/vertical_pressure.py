@@ -16,8 +16,8 @@ Drives of the multibody car on roads, seeds and levels that no identification sa
     bank.rmse_over_bound_10s, bank.nees_10s_all    over all drives that know rightly, short ones too
     changes, load, measured road       see `changes`; Table 3: `identified_rows`
     axles.detect_15pct_1_tyre_p95_s    one low tyre named at one false alarm in 100 h, see `axle_alarm`
-    waviness_X.bias_kpa                what the bank's belief in slope -2 costs on another road, see `waviness`: the
-                                       measured one falls with -2.7 and reads as a flat tyre
+    METHOD.waviness_X_bias_kpa         over roads of one other slope, see `waviness`; waviness_X.believer_bias_kpa: who
+                                       believes in slope -2 there
 
 The bank is told that pressures lie between 130 and 230 kPa, by mean and std; `axles` begins at nominal pressure, 250
 kPa, give or take 18 % of stiffness, which is what it says in the first two seconds; the published filters begin at a
@@ -61,7 +61,7 @@ class VerticalPressureStudy(Study):
         drives = errors.decoded(rows)
         scored = [drive for drive in drives if drive["task"]["kind"] != "fit"]
         return [
-            *errors.table(scored), *changes.table(scored), *alarm_table(rows), *waviness.table(),
+            *errors.table(scored), *changes.table(scored), *alarm_table(rows), *waviness.table(scored),
             *identified_rows.table(),
         ]  # fmt: skip
 

@@ -1,4 +1,4 @@
-"""What a road whose spectrum does not fall with slope -2 does to the stiffness: ISO 8608's assumption, and its price.
+"""Roads whose spectrum does not fall with slope -2: what ISO 8608's assumption would cost, and drives over them.
 
 A road of waviness w has G(Omega) = G Omega^-w. A filter that believes in w = 2 settles where its spectrum is nearest to
 the true one in the Kullback-Leibler sense (White, Econometrica 50, 1982),
@@ -6,37 +6,51 @@ the true one in the Kullback-Leibler sense (White, Econometrica 50, 1982),
     min over ln k, ln G of  integral of  ln M + S / M  over f,
 
 M, S: the model's and the true spectrum of the hub (`quarter_car.response`). A steeper road has less at the wheel's hop
-against what it has below, which looks like a softer tyre. The bound where w is not known: its derivative joins those of
-ln k and ln G in `quarter_car.bound`.
+against what it has below, which looks like a softer tyre: rows `waviness_X.believer_bias_kpa`. What the estimators make
+of it is driven: `METHOD.waviness_X_bias_kpa` and `_rmse_kpa` after `tasks.WAVY_LONG` seconds over a profile (`profile`)
+of one slope, in both tracks alike, that is as rough as class B at `REFERENCE` wave number, where level and slope part.
+`bound_known_waviness.rmse_kpa_Xs`: the bound of who is told the slopes.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import dataclasses
+import math
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize
 
 from estimators.car import GRAVITY
+from estimators.quarter_car.bound import Setting, pressure_std
 from estimators.quarter_car.quarter_car import quarter_masses
 from estimators.quarter_car.response import measured_spectrum
 from estimators.quarter_car.road_shape import class_spectrum
+from estimators.quarter_car.roughness import REFERENCE
 from estimators.quarter_car.tyre_law import TyreLaw
+from estimators.scores.interval import mean_interval
 from testbed.roads.profile import read_profile
+from testbed.roads.road import ISO_SPACING
 from testbed.roads.spectrum import octave_means, periodogram
 from testbed.scenario import Scenario
 from testbed.study.study import StudyRow
+from testbed.study.vertical_pressure.errors import BEST, error_and_std, of_kind, rmse
 from testbed.study.vertical_pressure.limits import linear_quarter
 from testbed.study.vertical_pressure.listening import known
+from testbed.study.vertical_pressure.tasks import WAVINESSES
 from testbed.study.vertical_pressure.told import EXPECTED, EXPECTED_STD
 
-WAVINESSES = (1.8, 2.2, 2.5, 3.0)
+LONGEST = 91.0  # m, as ISO 8608's roads here
 SPEED, ROAD = 60.0 / 3.6, "B"
 BAND = (0.5, 28.0)  # Hz that the bank hears
 NOISE = 2.0 * 0.5**2 / 1000.0  # (m/s^2)^2/Hz
 FITTED = (0.08, 1.6)  # cycle/m, of which a road's waviness is told: 1.3 to 27 Hz at 60 km/h
-_POINTS, _STEP = 1000, 1e-4
+_POINTS = 1000
 
 
 def spectrum(
@@ -61,22 +75,6 @@ def settled(log_stiffness: float, log_level: float, waviness: float) -> float:
     return float(found.x[0])
 
 
-def unknown_waviness_std(log_stiffness: float, log_level: float, seconds: float, prior_std: float) -> float:
-    """Least std of ln k_t with level and waviness unknown, prior_std: of ln k_t."""
-    f = np.linspace(0.2, 50.0, _POINTS)
-    at = np.array([log_stiffness, log_level, 2.0])
-
-    def of(place: NDArray[np.float64]) -> NDArray[np.complex128]:
-        return spectrum(float(place[0]), float(place[1]), float(place[2]), f)
-
-    inverse = np.linalg.inv(of(at))
-    slopes = [(of(at + e) - of(at - e)) / (2.0 * _STEP) for e in _STEP * np.eye(3)]
-    shares = [inverse @ slope for slope in slopes]
-    J = [[np.trapezoid(np.trace(p @ q, axis1=1, axis2=2).real, f) for q in shares] for p in shares]
-    information = seconds * np.array(J) + np.diag([prior_std**-2.0, 0.0, 0.0])
-    return float(np.sqrt(np.linalg.inv(information)[0, 0]))
-
-
 def waviness_of(path: str) -> float:
     """Of a measured profile: slope of its spectrum's octaves within FITTED."""
     x, z = read_profile(path)
@@ -85,8 +83,33 @@ def waviness_of(path: str) -> float:
     return -float(np.polyfit(np.log(low), np.log(level), 1)[0])
 
 
-def table() -> Iterator[StudyRow]:
-    """`waviness_X.bias_kpa`, `bound_unknown_waviness.rmse_kpa_Xs`: at 60 km/h, 180 kPa, class B."""
+def profile(waviness: float, seed: int, length: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """x and z [m] every ISO_SPACING over a length [m]: Gaussian, of one slope from `LONGEST` waves on, class B's level
+    at `REFERENCE`."""
+    count = 2 ** math.ceil(math.log2(max(length, LONGEST) / ISO_SPACING))
+    n = np.fft.rfftfreq(count, ISO_SPACING)[1:]
+    omega = 2.0 * np.pi * n
+    level = class_spectrum(ROAD) * REFERENCE**-2.0 * (omega / REFERENCE) ** -waviness * 2.0 * np.pi  # m^3
+    level[n < 1.0 / LONGEST] = 0.0
+    rng = np.random.default_rng(seed)
+    wave = rng.standard_normal(len(n)) + 1j * rng.standard_normal(len(n))
+    amplitude = np.concatenate([[0.0], wave * np.sqrt(0.25 * level * count / ISO_SPACING)])
+    amplitude[-1] = 0.0
+    keep = round(length / ISO_SPACING)
+    return np.asarray(ISO_SPACING * np.arange(keep)), np.fft.irfft(amplitude, count)[:keep]
+
+
+@contextmanager
+def laid(scenario: Scenario, waviness: float) -> Iterator[Scenario]:
+    """The scenario on a profile of that waviness, of its own seed, which is there meanwhile."""
+    with TemporaryDirectory() as folder:
+        place = Path(folder) / f"waviness-{waviness:g}.txt"
+        np.savetxt(place, np.stack(profile(waviness, scenario.seed, scenario.speed * scenario.duration + 50.0), axis=1))
+        yield dataclasses.replace(scenario, road=str(place))
+
+
+def table(drives: Sequence[dict[str, Any]]) -> Iterator[StudyRow]:
+    """See the module; believer and bound at 60 km/h, 180 kPa, class B."""
     car = known(Scenario(duration=1.0))
     law, load = TyreLaw.of(car), sum(quarter_masses(car, "fl")) * GRAVITY
     stiffness = float(law.stiffness_at(EXPECTED, SPEED, load))
@@ -94,7 +117,15 @@ def table() -> Iterator[StudyRow]:
     place = float(np.log(stiffness)), float(np.log(class_spectrum(ROAD)))
     for waviness in WAVINESSES:
         pressure = float(law.pressure_of(np.exp(settled(*place, waviness)), SPEED, load))
-        yield StudyRow(f"waviness_{waviness:g}.bias_kpa", "kPa", None, 1e-3 * (pressure - EXPECTED))
+        yield StudyRow(f"waviness_{waviness:g}.believer_bias_kpa", "kPa", None, 1e-3 * (pressure - EXPECTED))
+    setting = Setting(linear_quarter("front"), stiffness, class_spectrum(ROAD), SPEED)
     for seconds in (2.0, 10.0, 60.0):
-        std = slope * unknown_waviness_std(*place, seconds, EXPECTED_STD / slope)
-        yield StudyRow(f"bound_unknown_waviness.rmse_kpa_{seconds:g}s", "kPa", None, 1e-3 * std)
+        std = pressure_std(setting, seconds, slope, pressure_prior_std=EXPECTED_STD)
+        yield StudyRow(f"bound_known_waviness.rmse_kpa_{seconds:g}s", "kPa", None, 1e-3 * std)
+    for method in BEST:
+        for waviness in WAVINESSES:
+            own = [d for d in of_kind(drives, "waviness") if d["task"]["waviness"] == waviness]
+            error, _ = error_and_std(own, method, own[0]["time_s"][-1]) if own else (np.empty((0, 4)), None)
+            if len(error):
+                yield StudyRow.of(f"{method}.waviness_{waviness:g}_bias_kpa", "kPa", mean_interval(error.mean(axis=1)))
+                yield StudyRow.of(f"{method}.waviness_{waviness:g}_rmse_kpa", "kPa", rmse(error))

@@ -29,7 +29,7 @@ from testbed.study.vertical_pressure.limits_of_axles import bounds_of_axles
 from testbed.study.vertical_pressure.listening import ESTIMATORS, Heard, drive, last_said
 from testbed.study.vertical_pressure.published import METHODS as PUBLISHED
 from testbed.study.vertical_pressure.published import Words, words_of
-from testbed.study.vertical_pressure.waviness import waviness_of
+from testbed.study.vertical_pressure.waviness import laid, waviness_of
 
 NAMES = {"vertical_pressure": "bank", "axles": "axles"}
 SCORED = (*np.arange(0.5, 10.1, 0.5).tolist(), *np.arange(12.0, 60.1, 4.0).tolist())  # s
@@ -45,7 +45,11 @@ def work(task: Task) -> Row:
     if task["kind"] == "fit":
         return {"task": json.dumps(task), "found": json.dumps(fit(task["seed"]))}
     scenario = Scenario.from_notes(task["scenario"])
-    heard = drive(scenario, run_seed(task["seed"], 0, 1) if task["kind"] == "levels" else None)
+    if task["kind"] == "waviness":
+        with laid(scenario, task["waviness"]) as wavy:
+            heard = drive(wavy)
+    else:
+        heard = drive(scenario, run_seed(task["seed"], 0, 1) if task["kind"] == "levels" else None)
     return {"task": json.dumps(task), "found": json.dumps(_found(task, heard))}
 
 
@@ -54,7 +58,7 @@ def moments_of(task: Task) -> list[float]:
     duration = task["scenario"]["duration"]
     if task["kind"] in ("switch", "drop"):
         return [FINE * k for k in range(1, int(duration / FINE) + 1)]
-    if task["kind"] in ("mass", "measured"):
+    if task["kind"] in ("mass", "measured", "waviness"):
         return [duration]
     return [t for t in SCORED if t <= duration + 1e-9]
 
@@ -97,7 +101,7 @@ def _words(task: Task, heard: Heard, told: int, times: list[float]) -> tuple[dic
         signal = heard.said[told].get(f"est/{name}/road/D")
         if signal is not None:
             classes[NAMES[name]] = _listed(last_said(signal.time, signal.value, times))
-    if task["kind"] != "short":
+    if task["kind"] not in ("short", "waviness"):
         for i, method in enumerate(PUBLISHED):
             words = words_of(method, heard, heard.told[told], run_seed(task["seed"], i, 2))
             by[method] = _entry(last_said(words.time, words.pressure, times), last_said(words.time, words.std, times))
