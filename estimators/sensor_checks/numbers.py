@@ -7,8 +7,8 @@ there); what they are allowed is a hundredth."""
 
 import numpy as np
 
-HOURS = 100.0
-ALONE = 10_000.0
+HOURS = 10.0
+ALONE = 1000.0
 JUDGEMENTS = 6
-LIMITS = np.array([100.0, 100.0, 100.0])  # rigid body, hub, lateral
+LIMITS = np.array([5.0, 80.0, 95.0])  # rigid body, hub, lateral
 FASTEST = 1000.0  # messages a second of a sensor at the most

@@ -14,6 +14,7 @@ its usual offset [m/s^2]. Alarms begin with the sensor's name; an accused sensor
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import cache, partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -103,12 +104,15 @@ class SensorChecks(Estimator):
                     continue
                 finite = np.isfinite(columns[:, i])
                 sensor = name if axis == "-" else f"{name}/{axis}"
-                for time, stuck, since in watch.add(stamps[name][finite], columns[finite, i]):
-                    text = f"{sensor} says the same number since {since:.2f} s; {RATE_ALONE}"
-                    alarms.append(Alarm(time, text)) if stuck else flags.append(Flag(time, f"{sensor} moves again"))
+                for change in watch.add(stamps[name][finite], columns[finite, i]):
+                    if change.stuck:
+                        text = f"{sensor} says the same number since {change.since:.2f} s; {RATE_ALONE}"
+                        alarms.append(Alarm(change.time, text))
+                    else:
+                        flags.append(Flag(change.time, f"{sensor} moves again"))
         horizon = until - LATENCY
         for name in ALONES:
-            others = self._others(name)
+            others = cache(partial(self._others, name))
             changes = self._messages[name].add(stamps.get(name, np.empty(0)), others)
             for time, lost in changes + self._messages[name].silent(horizon, others):
                 text = f"{name} loses messages; {RATE_ALONE}"
