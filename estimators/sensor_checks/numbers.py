@@ -10,5 +10,5 @@ import numpy as np
 HOURS = 10.0
 ALONE = 1000.0
 JUDGEMENTS = 6
-LIMITS = np.array([5.0, 80.0, 95.0])  # rigid body, hub, lateral
+LIMITS = np.array([7.3, 148.0, 341.0])  # rigid body, hub, lateral
 FASTEST = 1000.0  # messages a second of a sensor at the most

@@ -37,6 +37,7 @@ from estimators.wheel_radius.wheel_change import per_wheel, pressure_change, whe
 
 STEP = 0.1  # [s] of a cell
 CELLS_PER_SECOND = 10
+BEYOND = 0.02  # of radius. Declared: a mean tyre at zero pressure has lost 0.010, the most sensitive 0.014
 SETTLING_TIME = 10.0  # [s] of readable driving before an alarm: the noise levels are measured by then
 Row = tuple[float, dict[str, tuple[float, float, str]]]
 
@@ -60,6 +61,7 @@ class WheelRadius(Estimator):
         self._due: int | None = None
         self._warned: set[str] = set()
         self._unheard = set(self.requires)
+        self._beyond: set[str] = set()
 
     def use_calibration(self, document: Mapping[str, Any]) -> None:
         """Start calibrated; a residual that the document lacks is still learnt."""
@@ -116,6 +118,8 @@ class WheelRadius(Estimator):
                   zip(WHEELS, self._tracker.dead, strict=True) if dead]  # fmt: skip
         if self.car.driven_axle == "all":
             doubts.append("all wheels driven: no wheel rolls freely, delta13 and delta24 are less sure")
+        doubts += [f"wheel/{w}/speed: off by more than {100 * BEYOND:g} %: a flat tyre, another wheel or its sensor, no "
+                   "pressure is told" for w in sorted(self._beyond)]  # fmt: skip
         new = [text for text in doubts if text not in self._warned]
         self._warned |= set(new)
         return new
@@ -137,9 +141,12 @@ class WheelRadius(Estimator):
         contrasts, spread = wheel_change(change, covariance, used)
         radius = per_wheel(contrasts, spread)
         pressure = pressure_change(self.car, *radius)
+        beyond = np.abs(radius[0]) > BEYOND  # pressure does not do that; a share of it is on the other wheels, too
+        self._beyond |= {wheel for wheel, off in zip(WHEELS, beyond, strict=True) if off}
         for i, wheel in enumerate(WHEELS):
             said[f"{wheel}/relative_radius_change"] = (radius[0][i], radius[1][i], "")
-            said[f"{wheel}/relative_pressure_change"] = (pressure[0][i], pressure[1][i], "Pa")
+            told = (0.0, self.car.pressure) if beyond.any() else (pressure[0][i], pressure[1][i])
+            said[f"{wheel}/relative_pressure_change"] = (*told, "Pa")
         settled = reference.done.any() and now.seconds[0] >= SETTLING_TIME
         if settled and (alarm := self._alarm.step(time, contrasts, spread)):
             alarms.append(alarm)
