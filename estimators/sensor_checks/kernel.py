@@ -16,7 +16,7 @@ it is learnt. A fault of one sensor has one pattern over R:
 
 q: the largest share of R in units of its std over the patterns; the pattern is the culprit. g <- max(g + q - DRIFT, 0)
 alarms above h; while a pattern is accused the others are not judged, and nothing is learnt. It is taken back after
-BACK. D and L alike, each alone; D_i not while b_i is in doubt, L not while w_x is; L wants both j of one sign. Left
+BACK (a gyro's after BACK_GYRO). D and L alike, each alone; D_i not while b_i is in doubt, L not while w_x is; L wants both j of one sign. Left
 out: flexing of the body, sensors' heights, suspension angles."""
 
 from __future__ import annotations
@@ -40,6 +40,8 @@ PER_CURVE = 0.05  # of v r: what a hard curve adds to the std of R and L, declar
 DRIFT = 2.5  # std
 LARGEST = 50.0  # std that count at the most
 CALM, BACK = 3.0, 150  # std; cells: 3 s
+BACK_GYRO = 3000  # cells: 60 s, since the high pass forgets an offset that stays
+HOLD = 600  # cells for which L rests once w_x was in doubt: 12 s, until its mean is learnt anew
 DOUBT = 0.5  # of the threshold from which on a sensor is in doubt
 WILD = 1e3
 RESIDUALS = 10  # R (4), D (4), L (2)
@@ -75,7 +77,7 @@ class State(NamedTuple):
     """integral: leaky ones: 0-3 of R, 4-7 first and 8-11 second of D, 12, 13 of L, 14 of w_x, 15 of the lean (16,);
     high: high passes of w_x, w_y, f_y, and their last inputs (6,); mean, variance (10,); ring (LAG, 10); g, calm (6,);
     accused: culprit of each judgement, -1 none (6,); count: cells that each residual was learnt from (10,); clock:
-    last cell, cells (2,)."""
+    last cell, cells, cells for which L rests (3,)."""
 
     integral: NDArray[np.float64]
     high: NDArray[np.float64]
@@ -93,7 +95,7 @@ def new_state() -> State:
     """Before a drive."""
     return State(
         np.zeros(16), np.full(6, np.nan), np.zeros(RESIDUALS), np.zeros(RESIDUALS), np.full((LAG, RESIDUALS), np.nan),
-        np.zeros(6), np.zeros(6), np.full(6, -1), np.zeros(RESIDUALS, np.int64), np.array([-1, 0]),
+        np.zeros(6), np.zeros(6), np.full(6, -1), np.zeros(RESIDUALS, np.int64), np.array([-1, 0, 0]),
     )  # fmt: skip
 
 
@@ -166,7 +168,7 @@ def _judge(s, k, q, culprit, limit, row):
     q = min(q, LARGEST)
     if s.accused[k] >= 0:
         s.calm[k] = s.calm[k] + 1.0 if q < CALM else 0.0
-        if s.calm[k] >= BACK:
+        if s.calm[k] >= (BACK_GYRO if s.accused[k] == WX or s.accused[k] == WY else BACK):
             row[26 + k] = -2.0 - s.accused[k]
             s.accused[k], s.g[k] = -1, 0.0
         return
@@ -214,5 +216,7 @@ def follow(c, s, limits, index, cells, said):
             rests = doubt and (culprit == i or s.accused[0] == i)
             _judge(s, 1 + i, np.nan if rests else abs(x[4 + i]), HUB + i, limits[1], said[k])
         both = min(abs(x[8]), abs(x[9])) if x[8] * x[9] > 0.0 else 0.0
-        both = np.nan if not math.isfinite(x[8] + x[9]) or (doubt and culprit == WX) or s.accused[0] == WX else both
+        turning = s.accused[0] == WX or (doubt and culprit == WX)
+        s.clock[2] = HOLD if turning else max(s.clock[2] - 1, 0)
+        both = np.nan if not math.isfinite(x[8] + x[9]) or s.clock[2] > 0 else both
         _judge(s, 5, both, FY, limits[2], said[k])

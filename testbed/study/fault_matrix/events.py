@@ -14,14 +14,14 @@ import numpy as np
 from testbed.brake_pull import BrakePull
 from testbed.tyre.inflation import PressureSet
 from testbed.scenario import Scenario
-from testbed.study.fault_matrix.accusation import LOW, Accusation
+from estimators.accusation import LOW, Accusation
 from testbed.study.fault_matrix.drives import heard
 from testbed.study.fault_matrix.trial import said_by
 from testbed.study.study import run_seed
 
 SLIPS = 1.0  # m/s between a wheel's rolling and the car's speed, from which on it is off
 DURATION, BEGINS = 32.0, 20.0  # s
-SMALL_DURATION = 24.0
+SMALL_DURATION = 6.0
 KMH = 1.0 / 3.6
 ROADS = ("A", "B", "C")
 PURPOSE = 7  # of the seeds

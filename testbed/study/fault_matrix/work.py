@@ -11,13 +11,13 @@ import numpy as np
 
 from testbed.scenario import Scenario
 from testbed.study.fault_matrix import events
-from testbed.study.fault_matrix.accusation import Accusation
+from estimators.accusation import Accusation
 from testbed.study.fault_matrix.drives import heard
 from testbed.study.fault_matrix.faults import LONG, cells
 from testbed.study.fault_matrix.trial import said_by, trial
 
 WARM_UP, EVERY = 24, 4  # s from the start to the first place at which faults begin, and between two
-SMALL_SHARE = 8  # of the cells every so manieth
+SMALL_WARM_UP, SMALL_SHARE = 13, 24  # of the cells every so manieth
 
 
 def run(task: dict[str, Any]) -> dict[str, Any]:
@@ -27,7 +27,7 @@ def run(task: dict[str, Any]) -> dict[str, Any]:
         return events.run(next(e for e in events.EVENTS if e.name == task["event"]), asked)
     drive = heard(asked)
     seconds = len(drive.stretches)
-    places = list(range(WARM_UP, seconds - LONG, EVERY))
+    places = [SMALL_WARM_UP] if task["small"] else list(range(WARM_UP, seconds - LONG, EVERY))
     monitors, random = drive.monitors(), np.random.default_rng(asked.seed + 1)
     waiting = list(cells())[:: SMALL_SHARE if task["small"] else 1]
     due = {place: [waiting[i] for i in range(len(waiting)) if i % len(places) == k] for k, place in enumerate(places)}

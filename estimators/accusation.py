@@ -8,6 +8,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Collection
 from dataclasses import dataclass
 
@@ -18,6 +19,10 @@ from estimators.faults.targets import find_target
 NAMERS = ("redundancy", "sensor_checks")
 WHEEL_NAMERS = ("wheel_plausibility",)
 LOW = "low/"
+BELIEVED = (" moves again", " agrees again", " is complete again")
+SOURCES = {"gyro": "imu/gyro/z", "accelerometer": "imu/accel/x", "steering": "steering/angle",
+           "torque": "driveline/torque"}  # fmt: skip
+PAIRS = {"front": ("wheel/fl", "wheel/fr"), "rear": ("wheel/rl", "wheel/rr")}
 
 
 @dataclass(frozen=True, order=True)
@@ -42,6 +47,21 @@ def of_flag(monitor: str, flag: Flag) -> list[Accusation]:
     """What a flag says; nothing of one that speaks of no signal."""
     name = sensor_of(flag.text.partition(":")[0])
     return [Accusation(flag.time, name, monitor, True)] if name else []
+
+
+def taken_back(monitor: str, flag: Flag) -> list[str]:
+    """Sensors that a flag believes again."""
+    for ending in BELIEVED:
+        if flag.text.endswith(ending):
+            name = flag.text.removesuffix(ending).rpartition(": ")[2]
+            return list(PAIRS.get(name, (SOURCES.get(name, name),)) if monitor in NAMERS else (name,))
+    return []
+
+
+def rate_of(alarm: Alarm) -> str:
+    """How sure the monitor is: what its text says of its false alarms, "" if it says nothing."""
+    found = re.search(r"(?:designed for|false alarms:) (one.*? in [\d.]+ h)", alarm.text)
+    return f"{found[1].replace('one false alarm', 'one')}" if found else ""
 
 
 def sensor_of(signal: str) -> str:
