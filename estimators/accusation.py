@@ -1,9 +1,9 @@
 """Who is accused: what an alarm or a flag of any monitor says of sensors and tyres.
 
-    redundancy, sensor_checks     the sensor that the alarm's text begins with
-    wheel_plausibility            the wheel's speed sensor (or the wheel slips: the signals do not tell)
-    those of tyre pressure        `low/WHEEL`: the tyre, which is wrong if it is the sensor that is faulty
-    a flag `SIGNAL: ...`          the sensor of that signal
+redundancy, sensor_checks     the sensor that the alarm's text begins with
+wheel_plausibility            the wheel's speed sensor (or the wheel slips: the signals do not tell)
+those of tyre pressure        `low/WHEEL`: the tyre, which is wrong if it is the sensor that is faulty
+a flag `SIGNAL: ...`          the sensor of that signal
 """
 
 from __future__ import annotations

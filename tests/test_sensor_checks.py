@@ -13,7 +13,7 @@ from estimators.redundancy.frozen import run_for
 from estimators.sensor_checks import kernel
 from estimators.sensor_checks.messages import CAME, LOST, MessageWatch
 from estimators.sensor_checks.numbers import LIMITS
-from estimators.sensor_checks.repetition import KNOWN, LEAST, RepetitionWatch
+from estimators.sensor_checks.repetition import LEAST, RepetitionWatch
 from estimators.sensor_checks.sensor_checks import CULPRITS
 
 BETWEEN = 1e12

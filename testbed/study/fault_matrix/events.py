@@ -11,13 +11,13 @@ from typing import Any
 
 import numpy as np
 
-from testbed.brake_pull import BrakePull
-from testbed.tyre.inflation import PressureSet
-from testbed.scenario import Scenario
 from estimators.accusation import LOW, Accusation
+from testbed.brake_pull import BrakePull
+from testbed.scenario import Scenario
 from testbed.study.fault_matrix.drives import heard
 from testbed.study.fault_matrix.trial import said_by
 from testbed.study.study import run_seed
+from testbed.tyre.inflation import PressureSet
 
 SLIPS = 1.0  # m/s between a wheel's rolling and the car's speed, from which on it is off
 DURATION, BEGINS = 32.0, 20.0  # s

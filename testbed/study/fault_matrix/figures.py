@@ -97,7 +97,12 @@ def _rectangle(x: int, y: int) -> Any:
 
 
 def _draw(
-    figure: Figure, axes: Axes, table: np.ndarray, texts: Sequence[tuple[int, int, str, bool]], colours: str, most: float
+    figure: Figure,
+    axes: Axes,
+    table: np.ndarray,
+    texts: Sequence[tuple[int, int, str, bool]],
+    colours: str,
+    most: float,
 ) -> None:
     image = axes.imshow(table, aspect="auto", cmap=colours, vmin=0.0, vmax=1.25 * most)
     map_: Colormap = image.get_cmap()

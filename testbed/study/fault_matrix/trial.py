@@ -12,11 +12,11 @@ from typing import Any
 
 import numpy as np
 
+from estimators.accusation import LOW, Accusation, of_alarm, of_flag, opposite, same, sensor_of
 from estimators.drive_log import WHEELS
 from estimators.estimator import Estimator, Outputs
 from estimators.faults import Injector
 from estimators.faults.injector import touched
-from estimators.accusation import LOW, Accusation, of_alarm, of_flag, opposite, same, sensor_of
 from testbed.study.fault_matrix.faults import Cell
 from testbed.study.sensed import Stretch
 

@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 
+from estimators.accusation import Accusation
 from testbed.scenario import Scenario
 from testbed.study.fault_matrix import events
-from estimators.accusation import Accusation
 from testbed.study.fault_matrix.drives import heard
 from testbed.study.fault_matrix.faults import LONG, cells
 from testbed.study.fault_matrix.trial import said_by, trial
