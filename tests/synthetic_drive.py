@@ -100,7 +100,8 @@ def tooth_edges(time: NDArray[np.float64], omega: NDArray[np.float64], seed: int
 
 
 def hub_signals(car: Car, speed: NDArray[np.float64], seed: int) -> dict[str, Signal]:
-    """`hub/WHEEL/accel_z` and `body/WHEEL/accel_z`: linear quarter cars at nominal pressure, each on a class B road of its own."""
+    """`hub/WHEEL/accel_z` and `body/WHEEL/accel_z`: linear quarter cars at nominal pressure, each on a class B road of
+    its own."""
     spacing, step = 0.01, 1e-3
     instants = np.arange(2 * len(speed) * round(1.0 / (RATE * step)) - 1) * 0.5 * step
     way = np.interp(instants, (np.arange(len(speed) + 1)) / RATE, np.concatenate([[0.0], np.cumsum(speed) / RATE]))

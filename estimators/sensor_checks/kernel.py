@@ -15,9 +15,9 @@ it is learnt. A fault of one sensor has one pattern over R:
     b_i: e_i     f_z: (1, 1, 1, 1) / 2     w_x: y / |y|     w_y: x / |x|
 
 q: the largest share of R in units of its std over the patterns; the pattern is the culprit. g <- max(g + q - DRIFT, 0)
-alarms above h; while a pattern is accused the others are not judged, and nothing is learnt. It is taken back after
-BACK (a gyro's after BACK_GYRO). D and L alike, each alone; D_i not while b_i is in doubt, L not while w_x is; L wants both j of one sign. Left
-out: flexing of the body, sensors' heights, suspension angles."""
+alarms above h; while a pattern is accused the others are not judged, and nothing is learnt. It is taken back after BACK
+(a gyro's after BACK_GYRO). D and L alike, each alone; D_i not while b_i is in doubt, L not while w_x is; L wants both j
+of one sign. Left out: flexing of the body, sensors' heights, suspension angles."""
 
 from __future__ import annotations
 

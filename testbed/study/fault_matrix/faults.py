@@ -13,19 +13,8 @@ from estimators.faults.kind import SIGNAL, SIGNAL_RATE, find_kind
 from estimators.faults.targets import find_target
 
 KINDS = (
-    "bias",
-    "scale",
-    "spike",
-    "zero",
-    "stuck",
-    "noise",
-    "drift",
-    "delay",
-    "dropout",
-    "intermittent",
-    "swap",
-    "teeth",
-)
+    "bias", "scale", "spike", "zero", "stuck", "noise", "drift", "delay", "dropout", "intermittent", "swap", "teeth",
+)  # fmt: skip
 ALIKE = {"delay": "0.5", "dropout": "0.5", "intermittent": "0.3,1", "zero": "", "stuck": "", "swap": "", "teeth": "44"}
 LONG, SHORT = 20, 6  # s watched: of a sensor that speaks once a second, of others
 

@@ -9,6 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import Colormap
 from matplotlib.figure import Figure
+from numpy.typing import NDArray
 
 from testbed.study.fault_matrix import events
 from testbed.study.fault_matrix.faults import KINDS, LONG, SENSORS, SHORT
