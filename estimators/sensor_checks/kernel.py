@@ -76,7 +76,7 @@ def constants(car: Car) -> Constants:
 class State(NamedTuple):
     """integral: leaky ones: 0-3 of R, 4-7 first and 8-11 second of D, 12, 13 of L, 14 of w_x, 15 of the lean (16,);
     high: high passes of w_x, w_y, f_y, and their last inputs (6,); mean, variance (10,); ring (LAG, 10); g, calm (6,);
-    accused: culprit of each judgement, -1 none (6,); count: cells that each residual was learnt from (10,); clock:
+    accused: culprit of each judgement, -1 none (6,); learnt: cells that each residual was learnt from (10,); clock:
     last cell, cells, cells for which L rests (3,)."""
 
     integral: NDArray[np.float64]
@@ -87,7 +87,7 @@ class State(NamedTuple):
     g: NDArray[np.float64]
     calm: NDArray[np.float64]
     accused: NDArray[np.int64]
-    count: NDArray[np.int64]
+    learnt: NDArray[np.int64]
     clock: NDArray[np.int64]
 
 
@@ -149,10 +149,10 @@ def _learn(s, i, value):
     """An old residual into mean and variance; an outlier counts as four std."""
     if not math.isfinite(value):
         return
-    s.count[i] += 1
-    share = max(STEP / LEARN, 1.0 / s.count[i])
+    s.learnt[i] += 1
+    share = max(STEP / LEARN, 1.0 / s.learnt[i])
     off = value - s.mean[i]
-    if s.count[i] > 50:
+    if s.learnt[i] > 50:
         most = 4.0 * math.sqrt(s.variance[i]) + 1e-3
         off = min(max(off, -most), most)
     s.mean[i] += share * off

@@ -123,7 +123,7 @@ class SensorChecks(Estimator):
     def _others(self, name: str) -> NDArray[np.float64]:
         """[s] at which any other sensor spoke lately, sorted."""
         every = [ticks for other, ticks in self._spoken.items() if other != name]
-        return np.unique(np.concatenate(every)) * TICK
+        return np.asarray(np.unique(np.concatenate(every)) * TICK, dtype=np.float64)
 
     def _compared(
         self, centre: NDArray[np.float64], said: NDArray[np.float64], alarms: list[Alarm], flags: list[Flag]

@@ -119,7 +119,7 @@ class WheelRadius(Estimator):
                   zip(WHEELS, self._tracker.dead, strict=True) if dead]  # fmt: skip
         if self.car.driven_axle == "all":
             doubts.append("all wheels driven: no wheel rolls freely, delta13 and delta24 are less sure")
-        doubts += [f"wheel/{wheel}/speed: off by more than {100 * REACH:g} %: a flat tyre, another wheel or its sensor; "
+        doubts += [f"wheel/{wheel}/speed: off by over {100 * REACH:g} %: a flat tyre, another wheel or its sensor; "
                    "no pressure is told" for wheel in self._reach.wheels()]  # fmt: skip
         new = [text for text in doubts if text not in self._warned]
         self._warned |= set(new)

@@ -50,7 +50,7 @@ def scenario(event: Event, seed: int, number: int, small: bool) -> Scenario:
     """Of repetition `number`."""
     own = run_seed(seed, number, PURPOSE + EVENTS.index(event))
     random = np.random.default_rng(own)
-    drawn = {"road": str(random.choice(ROADS)), "payload": float(random.uniform(0.0, 300.0))}
+    drawn: dict[str, Any] = {"road": str(random.choice(ROADS)), "payload": float(random.uniform(0.0, 300.0))}
     return Scenario(duration=SMALL_DURATION if small else DURATION, seed=own, **drawn | event.fields)
 
 

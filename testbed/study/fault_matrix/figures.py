@@ -100,7 +100,7 @@ def _rectangle(x: int, y: int) -> Any:
 def _draw(
     figure: Figure,
     axes: Axes,
-    table: np.ndarray,
+    table: NDArray[np.float64],
     texts: Sequence[tuple[int, int, str, bool]],
     colours: str,
     most: float,
