@@ -33,6 +33,7 @@ MARGIN = 5.0  # m of road drawn to the sides of the car's way
 STEP = 0.1  # m between the drawn nodes
 BATCH = 4000  # steps written together, at least
 SPARSE = 12  # samples of a slow signal that wait for one another
+NOBODY: Mapping[str, Signal] = {}
 AHEAD = 3  # stretches that the drive may be ahead of its recording: bounds memory
 
 
@@ -52,20 +53,23 @@ class DriveRecording:
         self._drawn_to = np.array(simulation.data.qpos[:2])
         self._draw_road(self._drawn_to - [1.5 * PIECE, 0.0], self._drawn_to)
 
-    def add(self, signals: Mapping[str, Signal], stretch: Stretch) -> None:
-        """A stretch: what was sensed and estimated, and the trace, which holds the truth and where the car was.
+    def add(self, signals: Mapping[str, Signal], stretch: Stretch, accused: Mapping[str, Signal] = NOBODY) -> None:
+        """A stretch: what was sensed and estimated, and the trace, which holds the truth and where the car was;
+        accused: samples to be drawn red.
 
         Raises RecordingError (here or in a later call) once the disk has failed.
         """
-        self._pending.append(self._thread.submit(self._record, signals, stretch))
+        self._pending.append(self._thread.submit(self._record, signals, stretch, accused))
         while len(self._pending) > AHEAD:
             self._pending.popleft().result()
 
-    def _record(self, signals: Mapping[str, Signal], stretch: Stretch) -> None:
+    def _record(self, signals: Mapping[str, Signal], stretch: Stretch, accused: Mapping[str, Signal]) -> None:
         car = self._simulation
         truth = truth_signals(stretch, car.scenario.step) | change_signals(stretch, car.tyre.p0, car.nominal_radius)
         for name, signal in (*signals.items(), *truth.items()):
             self._waiting.setdefault(name, []).append(signal)
+        for name, signal in accused.items():
+            self._writer.accused(name, signal.time, signal.value, signal.unit)
         self._poses.append((stretch.pose_time, stretch.poses))
         self._steps += len(stretch.rows)
         for place in stretch["position"][:: max(len(stretch.rows) // 20, 1), :2]:

@@ -29,6 +29,7 @@ from testbed.sensors import Motion, SensorSuite, sensor_settings
 from testbed.sensors.defaults import EDGE_NAMES, SPEED_NAMES
 from testbed.sensors.settings import SensorSettings
 from testbed.simulation import Simulation, Stretch
+from testbed.verdicts import Verdicts
 
 
 def motion_of(stretch: Stretch, step: float) -> Motion:
@@ -90,6 +91,7 @@ class Session:
         self.bank = Bank(estimators, Car.from_notes(notes), notes["calibrations"])
         if variant.only_read:
             settings = needed(settings, self.bank.reads)
+        self._verdicts = Verdicts(self.bank)
         self._faults = Injector(scenario.faults, scenario.seed, ring_teeth(scenario))
         self._suite = SensorSuite(settings, scenario.seed, self.simulation, car_seed=scenario.car_seed)
         self._recording = DriveRecording(recording, self.simulation, notes) if recording else None
@@ -108,7 +110,8 @@ class Session:
                 faults = self._faults.faults
                 truth = fault_events(faults, told, end) | sound_signals(faults, sound)
                 told = end
-                self._recording.add({**sensed, **said, **truth}, stretch)
+                lanes = self._verdicts.update()
+                self._recording.add({**sensed, **said, **truth, **lanes}, stretch, self._verdicts.accused(sensed))
             yield stretch, said
 
     def __enter__(self) -> Session:

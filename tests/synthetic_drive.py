@@ -20,6 +20,7 @@ from estimators.quarter_car.road_shape import class_spectrum, synthesised
 from estimators.wheel_radius.traction import axle_loads
 
 RATE = 100.0  # Hz
+GEAR = 10.0  # of engine and final drive
 
 
 @dataclass(frozen=True)
@@ -48,7 +49,8 @@ def drive(
     hubs: bool = False,
 ) -> DriveLog:
     """A log at 100 Hz. speed: rear axle [m/s], shape (n,); radius_change: relative, (4,) or (n, 4); compliance: 1/k, a
-    number or (n,); curvature [1/m]; hubs: hub accelerations too, at 1 kHz, of quarter cars on a class B road.
+    number or (n,); curvature [1/m]; hubs: hub and body accelerations too, at 1 kHz, of quarter cars on a class B road,
+    and the engine's torque.
     """
     car = car or Car()
     rng = np.random.default_rng(seed)
@@ -80,6 +82,7 @@ def drive(
         signals[f"tyre/{wheel}/temperature"] = Signal(time, np.full(len(speed), 293.15), "K")
     if hubs:
         signals |= hub_signals(car, speed, seed)
+        signals["engine/torque"] = Signal(time, torque / GEAR, "N m")
     signals["truth/fl/radius"] = Signal(time, radii[:, 0], "m")
     return DriveLog(signals, {"car": asdict(car)})
 
@@ -97,7 +100,8 @@ def tooth_edges(time: NDArray[np.float64], omega: NDArray[np.float64], seed: int
 
 
 def hub_signals(car: Car, speed: NDArray[np.float64], seed: int) -> dict[str, Signal]:
-    """`hub/WHEEL/accel_z`: linear quarter cars at nominal pressure, each on a class B road of its own."""
+    """`hub/WHEEL/accel_z` and `body/WHEEL/accel_z`: linear quarter cars at nominal pressure, each on a class B road of
+    its own."""
     spacing, step = 0.01, 1e-3
     instants = np.arange(2 * len(speed) * round(1.0 / (RATE * step)) - 1) * 0.5 * step
     way = np.interp(instants, (np.arange(len(speed) + 1)) / RATE, np.concatenate([[0.0], np.cumsum(speed) / RATE]))
@@ -111,6 +115,8 @@ def hub_signals(car: Car, speed: NDArray[np.float64], seed: int) -> dict[str, Si
         _, felt = ride(quarter, heights, car.tyre_stiffness, step)
         value = felt[:, 1] + GRAVITY + 0.5 * rng.standard_normal(len(felt))
         signals[f"hub/{wheel}/accel_z"] = Signal(step * np.arange(len(felt)), value, "m/s^2")
+        noise = 0.5 * np.random.default_rng([seed, i, 1]).standard_normal(len(felt))
+        signals[f"body/{wheel}/accel_z"] = Signal(step * np.arange(len(felt)), felt[:, 0] + GRAVITY + noise, "m/s^2")
     return signals
 
 

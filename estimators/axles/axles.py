@@ -35,9 +35,10 @@ from estimators.axles.watch import FRONT_LOST, LARGEST, Watch
 from estimators.car import GRAVITY, Car
 from estimators.detectors import CusumMean, Monitor
 from estimators.drive_log import WHEELS, Signal
-from estimators.estimator import Alarm, Estimate, Estimator, Outputs
+from estimators.estimator import Alarm, Estimate, Estimator, Flag, Outputs
 from estimators.grid import Channel
 from estimators.grid_blocks import GridBlocks
+from estimators.quarter_car.gravity import GravityCheck, not_gravity
 from estimators.quarter_car.quarter_car import quarter_masses
 from estimators.quarter_car.tyre_law import TyreLaw
 from estimators.vertical_pressure.bank import QUIET
@@ -83,17 +84,25 @@ class Axles(Estimator):
     def _start(
         self, known: Identified, sound: Mapping[str, tuple[float, float]], expected: tuple[float, float]
     ) -> None:
-        self._known = known
-        self._watches = [Watch(sound.get(name)) for name in SIDES]
-        self._commons = [Monitor(CusumMean(COMMON_DRIFT, COMMON_THRESHOLD, "both"), "restart") for _ in SIDES]
-        self._moved = [False, False]
+        self._known, self._sound = known, sound
         pressure, pressure_std = expected
         usual = np.array([self._law.stiffness_at(pressure, USUAL_SPEED, load) for load in self._loads])
         slopes = [self._law.pressure_std(k, USUAL_SPEED, load) for k, load in zip(usual, self._loads, strict=True)]
-        std = pressure_std / np.array(slopes)
-        self._sides = [Side(known, np.log(usual[s::2]), std[s::2]) for s in range(2)]
+        self._expected = np.log(usual), pressure_std / np.array(slopes)
+        self._commons = [Monitor(CusumMean(COMMON_DRIFT, COMMON_THRESHOLD, "both"), "restart") for _ in SIDES]
+        self._moved = [False, False]
+        self._sides, self._watches = [self._side(s) for s in range(2)], [self._watch(s) for s in range(2)]
         self._intakes = [SideIntake(known.axles.wheelbase) for _ in range(2)]
+        self._gravity = [GravityCheck(_SECONDS) for _ in WHEELS]
         self._motions: list[Motion] = []
+
+    def _side(self, s: int) -> Side:
+        """One that has heard nothing."""
+        mean, std = self._expected
+        return Side(self._known, mean[s::2], std[s::2])
+
+    def _watch(self, s: int) -> Watch:
+        return Watch(self._sound.get(SIDES[s]))
 
     def use_calibration(self, document: Mapping[str, Any]) -> None:
         """The identified axles, see `calibration`, under `sound` what this car's differences were, and under `tyres`
@@ -117,12 +126,24 @@ class Axles(Estimator):
         rows: Rows = {}
         alarms: list[Alarm] = []
         for block, values in blocks:
-            self._step(block, values, alarms)
+            self._step(block, values, alarms, flags)
             if block % SAY == SAY - 1 and self._heard[:_NEEDED].all():
                 self._say((block + 1) * _SECONDS, rows)
         return Outputs({name: _estimate(name, row) for name, row in rows.items()}, tuple(alarms), tuple(sorted(flags)))
 
-    def _step(self, block: int, values: NDArray[np.float64], alarms: list[Alarm]) -> None:
+    def _believed(self, s: int, values: NDArray[np.float64], time: float, flags: list[Flag]) -> bool:
+        """Whether both hubs of a side tell gravity. As soon as one does not, the side is forgotten: what it said lately
+        was wrong, and cannot be told from what it said before."""
+        fine = True
+        for w in (s, 2 + s):
+            before = self._gravity[w].believed
+            fine &= self._gravity[w].block(values[:, w])
+            if before and not self._gravity[w].believed:
+                flags.append(not_gravity(CHANNELS[w].signal, time, self._gravity[w].mean))
+                self._sides[s], self._watches[s] = self._side(s), self._watch(s)
+        return fine
+
+    def _step(self, block: int, values: NDArray[np.float64], alarms: list[Alarm], flags: list[Flag]) -> None:
         missed = 0 if self._next is None else block - self._next
         self._next = block + 1
         self._heard |= np.isfinite(values).any(axis=0)
@@ -133,7 +154,8 @@ class Axles(Estimator):
             if missed:
                 self._intakes[s].skip()
             speed = motion.speed[s]
-            if not SLOWEST <= float(speed.min()) <= float(speed.max()) <= FASTEST:
+            fine = self._believed(s, values, (block + 1) * _SECONDS, flags)
+            if not fine or not SLOWEST <= float(speed.min()) <= float(speed.max()) <= FASTEST:
                 self._intakes[s].skip()
                 continue
             window = self._intakes[s].block(values[:, s], values[:, 2 + s], speed)

@@ -53,7 +53,10 @@ class _Wheel:
         self.pressure = Source(
             f"tyre/{name}/pressure", numbers.LOWEST_PRESSURE, numbers.HIGHEST_PRESSURE, f"{name} is not watched"
         )
-        self.warmth = Source(f"tyre/{name}/temperature", numbers.LOWEST_TEMPERATURE, numbers.HIGHEST_TEMPERATURE)
+        self.warmth = Source(
+            f"tyre/{name}/temperature", numbers.LOWEST_TEMPERATURE, numbers.HIGHEST_TEMPERATURE,
+            steepest=(numbers.TEMPERATURE_STEP, numbers.TEMPERATURE_RATE),
+        )  # fmt: skip
         self.speed = Source(f"wheel/{name}/speed", -numbers.FASTEST_WHEEL, numbers.FASTEST_WHEEL)
         self.turning = Turning(SLOWEST)
         self.memory = new_memory()

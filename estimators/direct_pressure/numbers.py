@@ -13,6 +13,8 @@ REFERENCE = 293.15  # K
 TOLERANCE = 2300.0  # Pa, std of a sensor's constant error: a third of the usual +-7 kPa
 LOWEST_PRESSURE, HIGHEST_PRESSURE = -20e3, 1.5e6  # Pa, gauge; beyond it is no tyre's pressure
 LOWEST_TEMPERATURE, HIGHEST_TEMPERATURE = 200.0, 480.0  # K
+# K, K/s: gas warms by some 30 K in 15 min, of which a step of quantisation and noise is no part; beyond it is a fault
+TEMPERATURE_STEP, TEMPERATURE_RATE = 5.0, 0.1
 FASTEST_WHEEL = 500.0  # rad/s
 
 BETWEEN_FALSE_ALARMS = 100.0 * 3600.0  # s, mean, over the four wheels together

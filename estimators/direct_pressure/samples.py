@@ -33,10 +33,16 @@ class Events:
 
 
 class Source:
-    """One sensor's signal. lowest, highest: beyond it a value is no tyre's; without: what its silence means."""
+    """One sensor's signal. lowest, highest: beyond it a value is no tyre's; without: what its silence means; steepest:
+    step by which a value may differ from a level that follows it at that rate [1/s]."""
 
-    def __init__(self, name: str, lowest: float, highest: float, without: str = "") -> None:
+    def __init__(
+        self, name: str, lowest: float, highest: float, without: str = "",
+        steepest: tuple[float, float] = (np.inf, np.inf),
+    ) -> None:  # fmt: skip
         self.name, self._lowest, self._highest = name, lowest, highest
+        self._step, self._rate = steepest
+        self._used: tuple[float, float] | None = None  # time [s], level
         self._without = without and f", {without}"
         self._intake = Intake(LONGEST_GAP)
         self._time, self._value = np.empty(0), np.empty(0)
@@ -58,11 +64,14 @@ class Source:
         time, value = signal.time[good], signal.value[good]
         finite = np.isfinite(value)
         inside = finite & (value >= self._lowest) & (value <= self._highest)
+        wild = inside & self._jumps(time, value, inside)
+        inside &= ~wild
         late = inside & (time <= self._taken)
         span = f"{self._lowest:g} to {self._highest:g}"
         for wrong, why in (
             (~finite, "not a finite number"),
-            (finite & ~inside, f"out of range ({span}), sample refused"),
+            (wild, "jumps as no tyre's does, sample refused"),
+            (finite & ~inside & ~wild, f"out of range ({span}), sample refused"),
             (late, "handed over too late"),
         ):
             complaints += [(float(t), f"{self.name}: {why}") for t in time[wrong]]
@@ -70,6 +79,23 @@ class Source:
         self._time = np.concatenate([self._time, time[kept]])
         self._value = np.concatenate([self._value, value[kept]])
         return complaints
+
+    def _jumps(
+        self, time: NDArray[np.float64], value: NDArray[np.float64], inside: NDArray[np.bool_]
+    ) -> NDArray[np.bool_]:
+        """Values that are further off than their sensor can have gone."""
+        wild = np.zeros(len(time), dtype=bool)
+        if np.isinf(self._step):
+            return wild
+        for i in np.flatnonzero(inside).tolist():
+            if self._used is None:
+                self._used = (float(time[i]), float(value[i]))
+            passed, off = float(time[i]) - self._used[0], float(value[i]) - self._used[1]
+            most = self._rate * max(passed, 0.0)
+            wild[i] = abs(off) > self._step + most
+            if not wild[i]:
+                self._used = (max(float(time[i]), self._used[0]), self._used[1] + min(max(off, -most), most))
+        return wild
 
     def take(self, horizon: float) -> tuple[NDArray[np.float64], NDArray[np.float64], list[Complaint]]:
         """Samples up to `horizon` [s] in time order, and complaints about silences among them."""

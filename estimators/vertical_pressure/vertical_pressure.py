@@ -28,9 +28,10 @@ from numpy.typing import NDArray
 
 from estimators.car import AXLES, GRAVITY, Car
 from estimators.drive_log import WHEELS, Signal
-from estimators.estimator import Estimate, Estimator, Outputs
+from estimators.estimator import Estimate, Estimator, Flag, Outputs
 from estimators.grid import Channel
 from estimators.grid_blocks import GridBlocks
+from estimators.quarter_car.gravity import GravityCheck, not_gravity
 from estimators.quarter_car.quarter_car import quarter_masses
 from estimators.quarter_car.roughness import WAVINESS
 from estimators.quarter_car.tyre_law import TyreLaw
@@ -117,7 +118,9 @@ class VerticalPressure(Estimator):
 
     def _use(self, corners: Mapping[str, Corner], expected: tuple[float, float]) -> None:
         self._corners = corners
-        self._wheels = tuple(_Wheel(self.car, name, expected) for name in WHEELS)
+        self._expected = expected
+        self._wheels = [_Wheel(self.car, name, expected) for name in WHEELS]
+        self._gravity = [GravityCheck(BLOCK * _MS) for _ in WHEELS]
         self._banks = {
             axle: AxleBank(corner.quarter, beside(self.car, corners, axle)) for axle, corner in corners.items()
         }
@@ -137,12 +140,12 @@ class VerticalPressure(Estimator):
         blocks, flags = self._blocks.add(samples, until)
         rows: dict[str, list[tuple[float, float, float]]] = {}
         for block, values in blocks:
-            self._step(block, values)
+            self._step(block, values, flags)
             if block % SAY == SAY - 1 and self._heard.all():
                 self._say((block + 1) * BLOCK * _MS, self._speed(values), rows)
         return Outputs({name: _estimate(name, row) for name, row in rows.items()}, (), tuple(sorted(flags)))
 
-    def _step(self, block: int, values: NDArray[np.float64]) -> None:
+    def _step(self, block: int, values: NDArray[np.float64], flags: list[Flag]) -> None:
         missed = 0 if self._next is None else block - self._next
         self._next = block + 1
         self._heard |= np.isfinite(values).any(axis=0)
@@ -151,7 +154,14 @@ class VerticalPressure(Estimator):
             if missed > 0:
                 wheel.intake.skip()
                 wheel.pass_time(missed * BLOCK * _MS)
-            wheel.step(values[:, i], self._banks[AXLES[i // 2]], speed)
+            before = self._gravity[i].believed
+            if self._gravity[i].block(values[:, i]):
+                wheel.step(values[:, i], self._banks[AXLES[i // 2]], speed)
+                continue
+            if before:  # what it has said lately was wrong, and cannot be told from what it said before
+                flags.append(not_gravity(CHANNELS[i].signal, (block + 1) * BLOCK * _MS, self._gravity[i].mean))
+                self._wheels[i] = _Wheel(self.car, wheel.name, self._expected)
+            self._wheels[i].intake.skip()
 
     def _speed(self, values: NDArray[np.float64]) -> float:
         """Of the car in a block [m/s], NaN if no wheel tells: the median of the wheels, which no single one moves."""

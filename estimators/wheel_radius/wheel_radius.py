@@ -31,6 +31,7 @@ from estimators.grid import Grid
 from estimators.wheel_radius.calibration import Calibration
 from estimators.wheel_radius.low_pressure import LowPressureAlarm
 from estimators.wheel_radius.motion import CHANNELS, MotionTracker
+from estimators.wheel_radius.out_of_reach import REACH, UNKNOWN_RADIUS, OutOfReach
 from estimators.wheel_radius.residuals import NAMES, Methods
 from estimators.wheel_radius.static_residual import StaticResidual
 from estimators.wheel_radius.wheel_change import per_wheel, pressure_change, wheel_change
@@ -60,6 +61,7 @@ class WheelRadius(Estimator):
         self._due: int | None = None
         self._warned: set[str] = set()
         self._unheard = set(self.requires)
+        self._reach = OutOfReach(car)
 
     def use_calibration(self, document: Mapping[str, Any]) -> None:
         """Start calibrated; a residual that the document lacks is still learnt."""
@@ -90,6 +92,7 @@ class WheelRadius(Estimator):
                 self._conclude(self._due, rows, alarms, flags)
             self._due = second
             motion = self._tracker.motion(index, centre, cell)
+            self._reach.step(motion)
             self._methods.step(motion)
             self._published.step(motion)
             if self._learning is not None:
@@ -102,7 +105,7 @@ class WheelRadius(Estimator):
     def _conclude(self, second: int, rows: list[Row], alarms: list[Alarm], flags: list[Flag]) -> None:
         """Say where the methods stand at the end of a second that had a cell."""
         time = second + 1.0
-        if self._learning is not None:
+        if self._learning is not None and not self._reach.any:
             flags += [Flag(time, text) for text in self._calibration.learn(self._learning.residuals())]
             if self._calibration.done.all():
                 self._learning = None
@@ -116,6 +119,8 @@ class WheelRadius(Estimator):
                   zip(WHEELS, self._tracker.dead, strict=True) if dead]  # fmt: skip
         if self.car.driven_axle == "all":
             doubts.append("all wheels driven: no wheel rolls freely, delta13 and delta24 are less sure")
+        doubts += [f"wheel/{wheel}/speed: off by over {100 * REACH:g} %: a flat tyre, another wheel or its sensor; "
+                   "no pressure is told" for wheel in self._reach.wheels()]  # fmt: skip
         new = [text for text in doubts if text not in self._warned]
         self._warned |= set(new)
         return new
@@ -138,9 +143,14 @@ class WheelRadius(Estimator):
         radius = per_wheel(contrasts, spread)
         pressure = pressure_change(self.car, *radius)
         for i, wheel in enumerate(WHEELS):
-            said[f"{wheel}/relative_radius_change"] = (radius[0][i], radius[1][i], "")
-            said[f"{wheel}/relative_pressure_change"] = (pressure[0][i], pressure[1][i], "Pa")
-        settled = reference.done.any() and now.seconds[0] >= SETTLING_TIME
+            wide = UNKNOWN_RADIUS if self._reach.any else 0.0
+            said[f"{wheel}/relative_radius_change"] = (radius[0][i], float(np.hypot(radius[1][i], wide)), "")
+            told = (0.0, self.car.pressure) if self._reach.any else (pressure[0][i], pressure[1][i])
+            said[f"{wheel}/relative_pressure_change"] = (*told, "Pa")
+        for wheel, off in self._reach.flat():
+            text = f"flat tyre, or its wheel-speed sensor: {100 * off:.1f} % faster than the others"
+            alarms.append(Alarm(time, text, (wheel,)))
+        settled = reference.done.any() and not self._reach.any and now.seconds[0] >= SETTLING_TIME
         if settled and (alarm := self._alarm.step(time, contrasts, spread)):
             alarms.append(alarm)
         return said

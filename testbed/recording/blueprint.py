@@ -13,6 +13,7 @@ import rerun.blueprint as rrb
 from estimators.drive_log import HIDDEN
 from estimators.readers.rrd_chunks import TIMELINE, entity_path
 from testbed.recording.plots import Ranges, tabs_of_plots
+from testbed.recording.series import VERDICT
 
 _EYE = (-7.5, -5.5, 3.0)  # [m] from the chassis: behind, right, above; the viewer keeps it so while it follows
 _TARGET = (0.0, 0.0, 0.0)  # [m] from the chassis
@@ -60,11 +61,13 @@ def _left(
         views.append(_scene(drawn, starts))
         shares.append(5)
     if texts:
-        lanes = [entity_path(name) for name in texts if not name.endswith("/flags")]  # a flag is of one moment
+        states = [name for name in texts if not name.endswith("/flags")]  # a flag is of one moment
+        verdicts = [name for name in states if name.startswith(VERDICT)]
+        lanes = [entity_path(name) for name in (*verdicts, *(n for n in states if n not in verdicts))]
         if lanes:
-            views.append(rrb.StateTimelineView(origin="/", contents=lanes, name="Alarms and modes"))
-            shares.append(1.2)
-        log = [entity_path(name) for name in texts if not name.startswith(HIDDEN)]
+            views.append(rrb.StateTimelineView(origin="/", contents=lanes, name="Who is accused, alarms and modes"))
+            shares.append(1.2 + 0.4 * min(len(verdicts), 6))
+        log = [entity_path(name) for name in texts if not name.startswith((HIDDEN, VERDICT))]
         views.append(_events(log or lanes))
         shares.append(1.5)
     return rrb.Vertical(*views, row_shares=shares) if views else None

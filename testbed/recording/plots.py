@@ -13,13 +13,14 @@ import rerun.blueprint as rrb
 
 from estimators.drive_log import WHEELS
 from estimators.readers.rrd_chunks import TIMELINE, entity_path
-from testbed.recording.series import share_of, wheel_of
+from testbed.recording.series import ACCUSED, RED, share_of, wheel_of
 
 _BEFORE, _AFTER = 8.0, 4.0  # [s] of the plots' window on either side of the cursor
 Ranges = Mapping[str, tuple[float, float]]  # lowest and highest, by name
 _WHEEL = f"(?:{'|'.join(WHEELS)})"
 SOUND = "truth/sound/"  # a sensor before its fault
 _PER_TAB = 9
+_MOST_RED = 4  # accused sensors that have a plot of their own
 _LEGEND_LINES = 4  # a longer legend would hide the plot; every line still has its name under the mouse
 
 
@@ -57,7 +58,8 @@ def tabs_of_plots(
     kinds: Mapping[str, tuple[str, str]], bands: Ranges, reach: Ranges
 ) -> dict[str, list[rrb.TimeSeriesView]]:
     """Tab -> its plots; a plot or tab without any signal is left out. For the arguments see `drive_layout`."""
-    numbers = {name: unit for name, (unit, kind) in kinds.items() if kind != "text"}
+    numbers = {name: unit for name, (unit, kind) in kinds.items() if kind not in ("text", RED)}
+    reds = [name.removesuffix(ACCUSED) for name, (_, kind) in kinds.items() if kind == RED]
     rest = _estimated(numbers)
     tabs: dict[str, list[rrb.TimeSeriesView]] = {}
     for tab, quantity, companions in WHEEL_TABS:
@@ -67,17 +69,27 @@ def tabs_of_plots(
         for key in [key for name in companions for key in rest if key[0] == name]:
             plots.append(_estimates(*key, rest.pop(key), numbers, bands, reach))
         if not tabs:
-            plots += _physics(numbers, bands, reach, shown=quantity)
+            plots = [*_accused(numbers, reds, reach), *plots, *_physics(numbers, bands, reach, shown=quantity)]
             tabs[FIRST] = plots[:_ROOM]
         else:
             tabs[tab] = plots
-    if not tabs and (physics := _physics(numbers, bands, reach)):
+    if not tabs and (physics := [*_accused(numbers, reds, reach), *_physics(numbers, bands, reach)]):
         tabs[FIRST] = physics
     more = [_estimates(*key, names, numbers, bands, reach) for key, names in rest.items()]
     for start in range(0, len(more), _PER_TAB):
         number = f" {start // _PER_TAB + 1}" if len(more) > _PER_TAB else ""
         tabs[LAST + number] = more[start : start + _PER_TAB]
     return tabs
+
+
+def _accused(numbers: Mapping[str, str], reds: Sequence[str], reach: Ranges) -> list[rrb.TimeSeriesView]:
+    """A plot of each sensor that was accused: red as long as it was, beside what the sound one says."""
+    plots = []
+    for name in reds[:_MOST_RED]:
+        signal = name if name in numbers else name.rpartition("/")[0]
+        shown = [name + ACCUSED, *(n for n in (SOUND + signal, signal) if n in numbers)]
+        plots.append(_plot(f"{name}, red while accused [{numbers.get(signal, '') or '-'}]", shown, {}, reach))
+    return plots
 
 
 def _estimated(numbers: Mapping[str, str]) -> dict[tuple[str, str], list[str]]:

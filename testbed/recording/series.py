@@ -23,6 +23,9 @@ _SHARE_COLOURS = (
 _SHARE = re.compile(r"est/[^/]+/road/([A-H])")
 _MEMBERS = {"attitude": ("roll", "pitch", "yaw")}
 _TRUTH_WIDTH, _WIDTH = 1.8, 1.0  # [px]
+ACCUSED, RED = "/accused", "red"  # entity under a signal's whose samples are drawn red; its kind in a layout
+VERDICT = "est/verdict/"  # lanes of who is accused
+_RED, _RED_WIDTH = (225, 30, 30, 150), 7.0
 _PALE = 0.35  # share of grey in an estimate's colour
 
 
@@ -95,3 +98,8 @@ def band(name: str, unit: str, width: int) -> rr.Measurements:
         names=labels(name, "", width),
         units=[unit] * width,
     )
+
+
+def red(width: int) -> rr.SeriesLines:
+    """The static style of the broad line that marks a sensor while it is accused."""
+    return rr.SeriesLines(colors=[_RED] * width, widths=[_RED_WIDTH] * width, names=["accused"] * width)

@@ -35,7 +35,7 @@ from estimators.readers.rrd_chunks import (
 )
 from estimators.readers.rrd_file import RecordingError, RrdFile
 from testbed.recording.blueprint import drive_layout
-from testbed.recording.series import band, lines, share_of
+from testbed.recording.series import ACCUSED, RED, band, lines, red, share_of
 from testbed.recording.stack import Stacks
 
 __all__ = ["RecordingError", "RecordingWriter"]
@@ -63,6 +63,7 @@ class RecordingWriter:
         self._drawn: set[str] = set()  # entities that show something in 3-D
         self._starts: dict[str, tuple[float, float, float]] = {}  # bodies that move, and where they are at first
         self._bands: dict[str, list[tuple[float, float]]] = {}  # estimate -> low and high end of each chunk's band
+        self._accused: dict[str, str] = {}  # what is drawn red -> unit
         self._stacks = Stacks()
         self._file.send(lambda: first)
 
@@ -102,6 +103,18 @@ class RecordingWriter:
         """Events such as alarms: time [s] (n,), n strings. An empty string ends the state that the last one began."""
         self.add(name, time, np.array(list(strings), dtype=object), "")
 
+    def accused(self, name: str, time: ArrayLike, value: ArrayLike, unit: str) -> None:
+        """Samples of a sensor that is accused, for the eye only: a broad red line under the signal's own. name: of the
+        signal, of one axis with the axis. time [s] (n,), value (n,) or (n, k)."""
+        ticks = nanoseconds(np.array(time, dtype=np.float64).reshape(-1), name)
+        values = np.array(value, dtype=np.float64)
+        if name not in self._accused:
+            self._accused[name] = unit
+            style = red(1 if values.ndim == 1 else values.shape[1])
+            self._file.send(partial(archetype_chunk, entity_path(name + ACCUSED), style))
+        if len(ticks):
+            self._file.send(partial(signal_chunk, name + ACCUSED, ticks, values))
+
     def pose(self, entity: str, time: ArrayLike, position: ArrayLike, quaternion_wxyz: ArrayLike) -> None:
         """A body's poses in the world: time [s] (n,), position (n, 3) [m], unit quaternion (n, 4) in MuJoCo's order."""
         ticks = nanoseconds(np.array(time, dtype=np.float64).reshape(-1), entity)
@@ -129,6 +142,7 @@ class RecordingWriter:
             self._draw_band(*stacked)
         kinds = {name: (unit, kind) for name, (unit, _, kind) in self._kinds.items()}
         bands = {name: _usual(np.array(ends)) for name, ends in self._bands.items() if ends}
+        kinds |= {name + ACCUSED: (unit, RED) for name, unit in self._accused.items()}
         self._file.close(drive_layout(kinds, bands, self._reach, self._drawn, self._starts))
 
     def abort(self) -> None:

@@ -68,7 +68,7 @@ def _print_list(console: Console) -> None:
 
 
 def _print_outcome(console: Console, study: Study, outcome: Outcome) -> None:
-    print_table(console, f"{study.name}: {study.about}", outcome.table)
+    print_table(console, f"{study.name}: {study.about}", study.printed(outcome.table))
     for file in outcome.figures:
         console.print(f"figure {file}", highlight=False)
     console.print(

@@ -94,6 +94,14 @@ class Study(ABC):
         """Pictures by file name without ending."""
         return {}
 
+    def pages(self, rows: Sequence[Row]) -> Mapping[str, str]:
+        """HTML pages by file name without ending."""
+        return {}
+
+    def printed(self, table: Sequence[StudyRow]) -> list[StudyRow]:
+        """The rows of the table that are printed; the JSON has all."""
+        return list(table)
+
     def objections(self, rows: Sequence[Row]) -> list[str]:
         """Lines on what is not as it should be; none where all is well, or the study expects nothing."""
         return []
