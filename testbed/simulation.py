@@ -30,6 +30,7 @@ from testbed.roads import make_road
 from testbed.roads.friction import parse_friction
 from testbed.roads.window import RoadWindow
 from testbed.scenario import Scenario
+from testbed.steering.active_steering import steering_state, steering_unit
 from testbed.suspension import suspension
 from testbed.tyre import contact, vertical
 from testbed.tyre.contact import tyre_element
@@ -116,7 +117,7 @@ class Simulation:
         self.index = _index(self.model)
         self.element = tyre_element(self.tyre)
         self.constants = self._constants(plan)
-        self.state = self._state()
+        self.state = self._state(float(plan.speed[0]))
         self.window.attach(self.model, "road")
         self.views = _views(self.model, self.data)
         self._start(float(plan.speed[0]))
@@ -153,9 +154,11 @@ class Simulation:
             pressure_point=body.pressure_point,
             wind=wind_series(s.wind, s.wind_from, s.gusts, float(plan.speed.mean()), s.duration, s.seed),
             steering_ratio=self.vehicle.driveline.steering_ratio,
+            active_steering=steering_unit(self.vehicle.active_steering, s.active_steering, s.step, s.steering_lock),
         )
 
-    def _state(self) -> State:
+    def _state(self, speed: float) -> State:
+        steering = steering_state(speed)
         return State(
             clock=np.zeros(1, np.int64),
             driver=np.zeros(driver.STATE_SIZE),
@@ -165,6 +168,9 @@ class Simulation:
             bristle=np.zeros(4),
             outputs=np.zeros((4, len(contact.OUTPUT))),
             work=np.zeros(len(trace.WORK)),
+            steering_motor=steering.motor,
+            steering_control=steering.control,
+            steering_unit=steering.unit,
         )
 
     def _start(self, speed: float) -> None:

@@ -159,7 +159,7 @@ def _task(
         if drive:
             find_manoeuvre(drive.manoeuvre).plan(drive.speed, drive.duration)
             parse_friction(drive.friction)
-            sensor_settings(drive.sensors)
+            sensor_settings(drive.sensors, drive.active_steering)
     variant_of(scenario, tables["vehicle"], tables["tyre"], tables["believed"])
     named = {d.road for d in (scenario, before) if d} | {scenario.tyre, str(tables["believed"].get("tyre"))}
     return {
