@@ -16,10 +16,12 @@ from estimators.readers import read_log
 from models.vehicle import load_vehicle
 from testbed.drive import main
 from testbed.scenario import Scenario
+from testbed.session import Session
 from testbed.steering import gear, motor, ratio, servo
 from testbed.steering.active_steering import HAND_RATE, steering_state, steering_unit
 from testbed.steering.loop_fault import loop_fault
 from testbed.study.steering_actuator.scenarios import BRISK, CALM, CASES, SET_A
+from testbed.trace import column
 from tests.drives import Driven, drive
 
 NUMBERS = load_vehicle().active_steering
@@ -28,7 +30,7 @@ STEP, DEGREE = 1e-3, math.pi / 180.0
 EXACT = 1e-12  # rounding of angles of some rad
 SERVO_TOLERANCE = 0.003  # of a step's size: the motor in quarters of a millisecond against a tight integration
 ENERGY_TOLERANCE = 0.01  # of the energy fed in: the same, summed by the trapezoidal rule
-# deg: five deviations of the noise and a step; of the demand half a step; of the pinion three deviations of its zero more
+# deg: five deviations of the noise and a step; of the demand half a step; of the pinion three deviations of its zero
 SENSOR_ERRORS = {"motor_angle": 1.6, "motor_demand": 0.012, "pinion_angle": 1.3}
 RAPID = {"manoeuvre": "rapid-steering", "speed": 16.0 / 3.6, "duration": 5.0, "road": "flat", "active_steering": True}
 
@@ -255,6 +257,24 @@ def test_faults_of_the_loop_are_those_of_the_log() -> None:
         loop_fault(["steering/motor_angle=delay:0.1"], 3, 3.0)
 
 
+def test_who_asks_for_the_steering_angle_gets_what_turns_the_wheels() -> None:
+    """In a slow slalom the driver's angle is off by the motor's share, the pinion's tells the road wheels'."""
+    fields = {"manoeuvre": "slalom", "speed": 5.0, "duration": 5.0, "road": "flat", "active_steering": True}
+    heard, truth = [], []
+    with Session(Scenario(**fields), None, ["redundancy"]) as session:
+        member = session.bank._members["redundancy"]
+        update = member.update
+        member.update = lambda given, until: (heard.append(given), update(given, until))[1]  # type: ignore[method-assign]
+        truth = [stretch.rows for stretch, _ in session.run()]
+    angle = np.concatenate([given["steering/angle"].value for given in heard])
+    time = np.concatenate([given["steering/angle"].time for given in heard])
+    rows = np.concatenate(truth)
+    road = np.interp(time - 0.007, column(rows, "time"), column(rows, "road_wheel_angle"))
+    car = session.bank._car
+    assert np.abs(angle / car.steering_ratio - road).max() < SENSOR_ERRORS["pinion_angle"] * DEGREE / 15.0
+    assert np.abs(column(rows, "steering_wheel") / car.steering_ratio - column(rows, "road_wheel_angle")).max() > 0.05
+
+
 @pytest.mark.parametrize(
     ("fields", "names"),
     [
@@ -274,8 +294,6 @@ def test_what_the_car_does_not_have_is_refused_in_one_line(fields: dict, names: 
 
 def main_refuses(fields: dict) -> None:
     """Sensors are checked where a session begins."""
-    from testbed.session import Session
-
     Session(Scenario(**fields), None, [])
 
 
