@@ -17,7 +17,7 @@ DRIVEN = ("front", "rear", "all")
 AXLES = ("front", "rear")
 _MAY_BE_ZERO = (
     "drag_area", "front_wheel_inertia", "rear_wheel_inertia", "radius_sensitivity_relative_std",
-    "tyre_stiffness_per_speed", "tyre_stiffness_per_load",
+    "tyre_stiffness_per_speed", "tyre_stiffness_per_load", "motor_gear_ratio",
 )  # fmt: skip
 
 
@@ -38,6 +38,8 @@ class Car:
     rear_wheel_inertia: float = 1.8  # declared
     ring_teeth: float = 48.0  # of each wheel's speed sensor
     steering_ratio: float = 16.0  # steering-wheel angle per road-wheel angle, declared
+    wheel_gear_ratio: float = 1.0  # steering-wheel angle per pinion angle while an active steering's motor stands
+    motor_gear_ratio: float = 0.0  # that motor's angle per pinion angle; 0: no active steering
     driven_axle: str = "front"
     drag_area: float = 0.9625  # drag coefficient 0.35 (declared) times frontal area 2.75 m^2
     pressure: float = 250e3  # nominal, gauge [Pa]

@@ -1,4 +1,4 @@
-"""The vehicle's numbers: chassis, two axles, driveline, read from a TOML file in which every number has a source.
+"""The vehicle's numbers: chassis, two axles, driveline, active steering, from a TOML file in which each has a source.
 
 All SI, in the car's axes (ISO 8855: x forward, y left, z up; origin at the chassis' centre of gravity).
 """
@@ -79,6 +79,34 @@ class Driveline:
 
 
 @dataclass(frozen=True)
+class ActiveSteering:
+    """Superposition gear, motor and control of an active front steering; meanings and units in the TOML file."""
+
+    rack_ratio: float
+    rack_stop: float
+    wheel_ratio: float
+    motor_ratio: float
+    ratio_speeds: tuple[float, ...]
+    ratios: tuple[float, ...]
+    motor_inertia: float
+    motor_friction: float
+    motor_damping: float
+    torque_constant: float
+    resistance: float
+    supply_voltage: float
+    largest_current: float
+    current_lag: float
+    position_gain: float
+    velocity_gain: float
+    velocity_integral: float
+    largest_speed: float
+    demand_lag: float
+    speed_lag: float
+    assist_share: float
+    lock_delay: float
+
+
+@dataclass(frozen=True)
 class Payload:
     """A mass fixed to the body. kg; position [m] of its centre from the chassis' centre of gravity; box edges [m]."""
 
@@ -95,6 +123,7 @@ class Vehicle:
     front: Axle
     rear: Axle
     driveline: Driveline
+    active_steering: ActiveSteering  # of the cars that have it
 
     @property
     def wheelbase(self) -> float:
@@ -126,7 +155,7 @@ def joint_damping(axle: Axle) -> float:
     return 0.25 * (axle.damping_compression + axle.damping_rebound)
 
 
-Part = TypeVar("Part", Chassis, Axle, Driveline)
+Part = TypeVar("Part", Chassis, Axle, Driveline, ActiveSteering)
 
 
 def _part(kind: type[Part], table: dict[str, Any], where: str) -> Part:
@@ -146,7 +175,9 @@ def load_vehicle(path: Path = SUV) -> Vehicle:
     """The vehicle of a TOML file like `suv.toml`. ValueError names a missing, unknown or sourceless number."""
     with path.open("rb") as file:
         data = tomllib.load(file)
-    kinds: dict[str, Any] = {"chassis": Chassis, "front": Axle, "rear": Axle, "driveline": Driveline}
+    kinds: dict[str, Any] = {
+        "chassis": Chassis, "front": Axle, "rear": Axle, "driveline": Driveline, "active_steering": ActiveSteering,
+    }  # fmt: skip
     missing = set(kinds) - set(data)
     if missing:
         raise ValueError(f"{path}: no section {', '.join(sorted(missing))}")

@@ -65,7 +65,8 @@ class DriveRecording:
 
     def _record(self, signals: Mapping[str, Signal], stretch: Stretch, accused: Mapping[str, Signal]) -> None:
         car = self._simulation
-        truth = truth_signals(stretch, car.scenario.step) | change_signals(stretch, car.tyre.p0, car.nominal_radius)
+        truth = truth_signals(stretch, car.scenario.step, car.scenario.active_steering)
+        truth |= change_signals(stretch, car.tyre.p0, car.nominal_radius)
         for name, signal in (*signals.items(), *truth.items()):
             self._waiting.setdefault(name, []).append(signal)
         for name, signal in accused.items():

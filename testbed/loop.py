@@ -33,6 +33,9 @@ from testbed.driver import (
 )
 from testbed.native import borrowed, call
 from testbed.roads.friction import friction_at
+from testbed.steering import active_steering, motor
+from testbed.steering.active_steering import SteeringState, SteeringUnit
+from testbed.steering.lock import fallen
 from testbed.suspension import Suspension, strut_force
 from testbed.tyre import contact
 from testbed.tyre.contact import TyreElement, sidewall_stiffness, torsional_stiffness, wheel_forces
@@ -107,7 +110,8 @@ class Constants(NamedTuple):
     side_area: float  # half rho (side-force slope - cd) A [kg/m]: what wind from the side adds to its share of the drag
     pressure_point: float  # where that acts, ahead of the centre of gravity [m]
     wind: NDArray[np.float64]  # air velocity every `wind.STEP` [m/s], shape (n, 2)
-    steering_ratio: float
+    steering_ratio: float  # of the car without active steering
+    active_steering: SteeringUnit
 
 
 class State(NamedTuple):
@@ -121,6 +125,9 @@ class State(NamedTuple):
     bristle: NDArray[np.float64]
     outputs: NDArray[np.float64]  # (4, 13)
     work: NDArray[np.float64]  # (6,) J
+    steering_motor: NDArray[np.float64]  # these three: see `SteeringState`
+    steering_control: NDArray[np.float64]
+    steering_unit: NDArray[np.float64]
 
 
 _START = {name: part.start for name, part in trace.COLUMNS.items()}
@@ -130,6 +137,7 @@ _RIM_ANGLE, _RIM_SPEED, _BELT_SPEED = _START["rim_angle"], _START["rim_speed"], 
 _TRAVEL, _STEERING, _ENGINE = _START["travel"], _START["steering_wheel"], _START["engine_torque"]
 _DRIVELINE, _PATH_ERROR = _START["driveline_torque"], _START["path_error"]
 _PRESSURE, _TEMPERATURE = _START["pressure"], _START["temperature"]
+_MOTOR = _START["motor_angle"]
 _OUTPUT, _WORK = _START[contact.OUTPUT[0]], _START["work"]
 _AIR, _SLIP, _ROLLING, _BRAKE, _DRIVE, _STRUT = range(len(trace.WORK))
 
@@ -213,6 +221,25 @@ def _torques(views, ix, c, s, time, speed, spins, drive, brake):
 
 
 @inlined
+def _superposed(unit, s, wanted, speed, time, step, row):
+    """Active steering, one step: what the road wheels get [rad] where the driver wants `wanted` [rad]."""
+    state = SteeringState(s.steering_motor, s.steering_control, s.steering_unit)
+    angle = active_steering.turn(unit, state, wanted, speed, time, step)
+    asked = active_steering.command(unit, state, time, s.clock[0] % unit.task == 0)
+    row[_STEERING] = state.unit[active_steering.WHEEL]
+    row[_MOTOR] = state.motor[motor.ANGLE]
+    row[_MOTOR + 1] = state.motor[motor.SPEED]
+    row[_MOTOR + 2] = unit.motor.torque_constant * state.motor[motor.CURRENT]
+    row[_MOTOR + 3] = state.unit[active_steering.DEMAND]
+    row[_MOTOR + 4] = state.unit[active_steering.PINION]
+    row[_MOTOR + 5] = angle
+    row[_MOTOR + 6] = 1.0 if fallen(unit.lock, time) else 0.0
+    moment = s.outputs[0, contact.MZ] + s.outputs[1, contact.MZ]
+    active_steering.advance(unit, state, asked, moment, time, step)
+    return angle
+
+
+@inlined
 def _chassis(views, ix, c, s, time, row):
     """Air drag, the wind's side force, and steering; returns the forward speed [m/s]."""
     vx, vy = views.qvel[0], views.qvel[1]
@@ -226,6 +253,12 @@ def _chassis(views, ix, c, s, time, row):
     speed = vx * cos_heading + vy * sin_heading + views.qvel[2] * views.xmat[ix.chassis, 6]
     heading = math.atan2(sin_heading, cos_heading)
     angle = steer(c.driver, c.plan, s.driver, views.qpos[0], views.qpos[1], heading, speed, c.step)
+    row[_STEERING] = angle * c.steering_ratio
+    if c.active_steering.present:
+        angle = _superposed(c.active_steering, s, angle, speed, time, c.step, row)
+    else:
+        for i in range(7):
+            row[_MOTOR + i] = 0.0
     left, right = ackermann(c.driver, angle)
     sus = c.suspension
     for w in range(4):
@@ -238,7 +271,6 @@ def _chassis(views, ix, c, s, time, row):
         row[_POSITION + i] = views.qpos[i]
     for i in range(3):
         row[_VELOCITY + i] = views.qvel[i]
-    row[_STEERING] = angle * c.steering_ratio
     return speed
 
 

@@ -23,14 +23,21 @@ PACKAGES = ("vehicle-testbed", "mujoco", "numpy", "numba", "rerun-sdk")
 
 def ring_teeth(scenario: Scenario) -> dict[str, float]:
     """Teeth of each wheel's ring."""
-    settings = sensor_settings(scenario.sensors)
+    settings = sensor_settings(scenario.sensors, scenario.active_steering)
     rings = {wheel: settings[name] for wheel, name in EDGE_NAMES.items()}
     return {wheel: float(ring.teeth) for wheel, ring in rings.items() if isinstance(ring, EncoderSettings)}
 
 
 def known_car(vehicle: Vehicle, tyre: TyreProperties, scenario: Scenario) -> Car:
     """What an estimator may know beforehand of a car on such tyres, driven and equipped as the scenario says."""
-    v, body = vehicle, vehicle.chassis
+    v, body, active = vehicle, vehicle.chassis, vehicle.active_steering
+    geared: dict[str, float] = {"steering_ratio": v.driveline.steering_ratio}
+    if scenario.active_steering:  # the gear's own, with the motor at rest
+        geared = {
+            "steering_ratio": active.wheel_ratio * active.rack_ratio,
+            "wheel_gear_ratio": active.wheel_ratio,
+            "motor_gear_ratio": active.motor_ratio,
+        }
     return Car(
         cg_to_front_axle=body.cg_to_front_axle,
         cg_to_rear_axle=body.cg_to_rear_axle,
@@ -43,7 +50,6 @@ def known_car(vehicle: Vehicle, tyre: TyreProperties, scenario: Scenario) -> Car
         rolling_radius=nominal_radius(vehicle, tyre),
         front_wheel_inertia=v.front.spin_inertia + tyre.belt_iyy,
         rear_wheel_inertia=v.rear.spin_inertia + tyre.belt_iyy,
-        steering_ratio=v.driveline.steering_ratio,
         driven_axle=scenario.driven,
         ring_teeth=ring_teeth(scenario)["fl"],
         drag_area=body.drag_coefficient * body.frontal_area,
@@ -55,6 +61,7 @@ def known_car(vehicle: Vehicle, tyre: TyreProperties, scenario: Scenario) -> Car
         rear_damping=0.5 * (v.rear.damping_compression + v.rear.damping_rebound),
         tyre_belt_mass=tyre.belt_mass,
         tyre_footprint=tyre_footprint(vehicle, tyre),
+        **geared,
         **tyre_law(vehicle, tyre),
     )
 

@@ -19,6 +19,7 @@ from testbed.tyre.inflation import Leak, PressureSet
 
 FASTEST = 200.0 / 3.6  # m/s
 LONGEST = 24.0 * 3600.0  # s
+ACTIVE_STEERING_SENSORS = ("steering/motor_angle", "steering/motor_demand", "steering/pinion_angle")
 DRIVEN = ("front", "rear", "all")
 
 # field, lowest, highest, unit: each must be a finite number within
@@ -67,7 +68,8 @@ class Scenario:
     bank [-]. wind: mean speed [m/s], wind_from: where it comes from [rad], 0 against a car that drives along x, a
     quarter turn from the left; gusts: their std over the mean [-]. brake_pulls: by wheel. faults: of sensors, as on the
     command line. seed: of road and sensors; car_seed: of what differs from one sensor to the next of its kind, None: as
-    seed."""
+    seed. active_steering: whether the car has it; steering_lock: when its motor is locked [s], None: never;
+    faults_in_loop: whether its control works on the faulty motor_angle, or only the log shows the fault."""
 
     road: str = "C"
     speed: float = 80.0 / 3.6
@@ -95,6 +97,9 @@ class Scenario:
     ambient: float = 293.15
     sensors: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     step: float = 1e-3
+    active_steering: bool = False
+    steering_lock: float | None = None
+    faults_in_loop: bool = False
 
     def _check_kinds(self) -> None:
         """ValueError where a field does not hold what it should: only a scenario from a file can be so wrong."""
@@ -107,8 +112,7 @@ class Scenario:
         for text in self.obstacles:
             if not isinstance(text, str):
                 raise ValueError(f"obstacle {text!r} is not a text")
-        for text in self.faults:
-            parse_fault(text)
+        self._check_steering()
         timed: list[Leak | PressureSet | BrakePull] = [
             entry for name in ENTRIES for entry in getattr(self, name).values()
         ]
@@ -122,6 +126,22 @@ class Scenario:
         place = self.payload_position
         if len(place) != 3 or not all(_number(v) and abs(v) <= FARTHEST_LOAD for v in place):
             raise ValueError(f"payload position {list(place)} m: want x, y, z, each within +-{FARTHEST_LOAD:g} m")
+
+    def _check_steering(self) -> None:
+        """ValueError for active steering that is no choice, or sensors of it in a car without."""
+        for name in ("active_steering", "faults_in_loop"):
+            if not isinstance(getattr(self, name), bool):
+                raise ValueError(f"{name} {getattr(self, name)!r} is not valid; want true or false")
+        names = [name for text in self.faults for name in parse_fault(text).target.signals]
+        if not self.active_steering:
+            if lacking := [name for name in names if name in ACTIVE_STEERING_SENSORS]:
+                raise ValueError(f"fault of {lacking[0]}: the car has no active steering (--active-steering)")
+            if self.faults_in_loop:
+                raise ValueError("faults in the loop: the car has no active steering (--active-steering)")
+            if self.steering_lock is not None:
+                raise ValueError(f"lock of the steering at {self.steering_lock} s: the car has no active steering")
+        elif self.steering_lock is not None and not (_number(self.steering_lock) and self.steering_lock >= 0.0):
+            raise ValueError(f"lock of the steering at {self.steering_lock} s; valid: a time of 0 s or later")
 
     def __post_init__(self) -> None:
         self._check_kinds()

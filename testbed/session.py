@@ -31,9 +31,12 @@ from testbed.sensors.settings import SensorSettings
 from testbed.simulation import Simulation, Stretch
 from testbed.verdicts import Verdicts
 
+ACTIVE_STEERING = ("motor_angle", "motor_demand", "pinion_angle")  # columns of the trace, fields of the motion
 
-def motion_of(stretch: Stretch, step: float) -> Motion:
-    """What the sensors feel in a stretch; its rows on the sensors' grid of 1 ms."""
+
+def motion_of(stretch: Stretch, step: float, active_steering: bool = False) -> Motion:
+    """What the sensors feel in a stretch, of the active steering too if the car has it; its rows on the sensors' grid
+    of 1 ms."""
     tick = np.rint(stretch["time"] / step).astype(np.int64)
     keep = slice(None) if step == SENSOR_STEP else np.flatnonzero(tick % round(SENSOR_STEP / step) == 0)
     return Motion(
@@ -49,6 +52,7 @@ def motion_of(stretch: Stretch, step: float) -> Motion:
         driveline_torque=stretch["driveline_torque"][keep],
         tyre_pressure=stretch["pressure"][keep],
         tyre_temperature=stretch["temperature"][keep],
+        **({name: stretch[name][keep] for name in ACTIVE_STEERING} if active_steering else {}),
     )
 
 
@@ -85,7 +89,7 @@ class Session:
         self, scenario: Scenario, recording: Path | None, estimators: Sequence[str] | None, variant: Variant = PLAIN
     ) -> None:
         """estimators: names, None for all. ValueError for anything in the scenario that is not valid."""
-        settings = sensor_settings(scenario.sensors)
+        settings = sensor_settings(scenario.sensors, scenario.active_steering)
         self.simulation = Simulation(scenario, variant.vehicle, variant.tyre)
         notes = drive_notes(self.simulation, variant.car, variant.calibrations)
         self.bank = Bank(estimators, Car.from_notes(notes), notes["calibrations"])
@@ -98,13 +102,14 @@ class Session:
 
     def run(self) -> Iterator[tuple[Stretch, dict[str, Signal]]]:
         """The drive to its end: each stretch with what the estimators said in it (`est/...`, `alarm/...`)."""
-        step, told = self.simulation.scenario.step, -math.inf
+        scenario = self.simulation.scenario
+        step, told = scenario.step, -math.inf
         for stretch in self.simulation.stretches():
-            motion = motion_of(stretch, step)
+            motion = motion_of(stretch, step, scenario.active_steering)
             sound = self._suite.advance(motion)
             sensed = self._faults.update(sound, motion.end)
             end = float(stretch["time"][-1]) + step
-            last = end > self.simulation.scenario.duration - 0.5 * step
+            last = end > scenario.duration - 0.5 * step
             said = self.bank.update(sensed, end + (FLUSH if last else 0.0))
             if self._recording:
                 faults = self._faults.faults

@@ -30,6 +30,8 @@ from testbed.roads import make_road
 from testbed.roads.friction import parse_friction
 from testbed.roads.window import RoadWindow
 from testbed.scenario import Scenario
+from testbed.steering.active_steering import NO_FAULT, SteeringUnit, steering_state, steering_unit
+from testbed.steering.loop_fault import loop_fault
 from testbed.suspension import suspension
 from testbed.tyre import contact, vertical
 from testbed.tyre.contact import tyre_element
@@ -116,7 +118,7 @@ class Simulation:
         self.index = _index(self.model)
         self.element = tyre_element(self.tyre)
         self.constants = self._constants(plan)
-        self.state = self._state()
+        self.state = self._state(float(plan.speed[0]))
         self.window.attach(self.model, "road")
         self.views = _views(self.model, self.data)
         self._start(float(plan.speed[0]))
@@ -153,9 +155,16 @@ class Simulation:
             pressure_point=body.pressure_point,
             wind=wind_series(s.wind, s.wind_from, s.gusts, float(plan.speed.mean()), s.duration, s.seed),
             steering_ratio=self.vehicle.driveline.steering_ratio,
+            active_steering=self._steering_unit(),
         )
 
-    def _state(self) -> State:
+    def _steering_unit(self) -> SteeringUnit:
+        s = self.scenario
+        wrong = loop_fault(s.faults, s.seed, s.duration) if s.faults_in_loop else NO_FAULT
+        return steering_unit(self.vehicle.active_steering, s.active_steering, s.step, s.steering_lock, wrong)
+
+    def _state(self, speed: float) -> State:
+        steering = steering_state(speed)
         return State(
             clock=np.zeros(1, np.int64),
             driver=np.zeros(driver.STATE_SIZE),
@@ -165,6 +174,9 @@ class Simulation:
             bristle=np.zeros(4),
             outputs=np.zeros((4, len(contact.OUTPUT))),
             work=np.zeros(len(trace.WORK)),
+            steering_motor=steering.motor,
+            steering_control=steering.control,
+            steering_unit=steering.unit,
         )
 
     def _start(self, speed: float) -> None:

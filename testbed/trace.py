@@ -29,6 +29,13 @@ LAYOUT: tuple[tuple[str, int, str], ...] = (
     ("temperature", 4, "K"),
     *((name, 4, unit) for name, unit in zip(
         OUTPUT, ("N", "m", "N/m", "", "rad", "N", "N", "N m", "N m", "m", "m", "W", "W"), strict=True)),
+    ("motor_angle", 1, "rad"),  # active steering, zero without; the motor's, by which the pinion is superposed
+    ("motor_speed", 1, "rad/s"),
+    ("motor_torque", 1, "N m"),
+    ("motor_demand", 1, "rad"),
+    ("pinion_angle", 1, "rad"),
+    ("road_wheel_angle", 1, "rad"),  # F_SG of the pinion's
+    ("motor_locked", 1, ""),
     ("work", 6, "J"),  # since the start, see WORK
 )  # fmt: skip
 WORK = ("air", "slip", "rolling", "brake", "drive", "strut")  # energy taken from the car (drive: given to it)

@@ -24,6 +24,17 @@ PER_WHEEL = (
     ("slip_angle", "slip_angle"),
     ("road_height", "road_height"),
 )
+# of the active steering: signal name, trace column
+STEERING = (
+    ("wheel_angle", "steering_wheel"),
+    ("motor_angle", "motor_angle"),
+    ("motor_speed", "motor_speed"),
+    ("motor_torque", "motor_torque"),
+    ("motor_demand", "motor_demand"),
+    ("pinion_angle", "pinion_angle"),
+    ("road_wheel_angle", "road_wheel_angle"),
+    ("motor_locked", "motor_locked"),
+)
 CHANGES = (("relative_pressure_change", "Pa"), ("relative_radius_change", ""))
 
 
@@ -36,8 +47,9 @@ def attitude(quaternion: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.stack([roll, pitch, yaw], axis=1)
 
 
-def truth_signals(stretch: Stretch, step: float) -> dict[str, Signal]:
-    """`truth/...` of a stretch; every k-th row of the drive's clock, so that stretches join without a seam."""
+def truth_signals(stretch: Stretch, step: float, active_steering: bool = False) -> dict[str, Signal]:
+    """`truth/...` of a stretch, of the active steering too if the car has it; every k-th row of the drive's clock, so
+    that stretches join without a seam."""
     time = stretch["time"]
     every = max(round(1.0 / (RATE * step)), 1)
     keep = np.flatnonzero(np.rint(time / step).astype(np.int64) % every == 0)
@@ -53,6 +65,8 @@ def truth_signals(stretch: Stretch, step: float) -> dict[str, Signal]:
     signals["truth/chassis/speed"] = Signal(at, speed, "m/s")
     signals["truth/chassis/attitude"] = Signal(at, attitude(stretch["quaternion"][keep]), "rad", "world")
     signals["truth/chassis/path_error"] = Signal(at, stretch["path_error"][keep], "m")
+    if active_steering:
+        signals |= {f"truth/steering/{n}": Signal(at, stretch[c][keep], UNITS[c]) for n, c in STEERING}
     return signals
 
 

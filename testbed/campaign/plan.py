@@ -159,7 +159,7 @@ def _task(
         if drive:
             find_manoeuvre(drive.manoeuvre).plan(drive.speed, drive.duration)
             parse_friction(drive.friction)
-            sensor_settings(drive.sensors)
+            sensor_settings(drive.sensors, drive.active_steering)
     variant_of(scenario, tables["vehicle"], tables["tyre"], tables["believed"])
     named = {d.road for d in (scenario, before) if d} | {scenario.tyre, str(tables["believed"].get("tyre"))}
     return {
@@ -197,6 +197,8 @@ def calibration_drive(scenario: Scenario, table: Mapping[str, Any], seed: int) -
         "obstacles": (),
         "brake_pulls": {},
         "faults": (),
+        "faults_in_loop": False,
+        "steering_lock": None,
         "seed": seed,
         "car_seed": parts,
     }

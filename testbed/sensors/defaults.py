@@ -149,12 +149,39 @@ TYRE_TEMPERATURE = AnalogueSettings(
     delay=0.1,  # s: same telegram
 )
 
+MOTOR_ANGLE = AnalogueSettings(
+    rate=1000.0,  # Hz: the control unit's own task, in which its monitor runs too
+    noise=radians(0.25),  # Declared: below the step
+    quantisation=radians(360.0 / 1024.0),  # rad. Declared: digital motor position sensor of 10 bit a turn
+)
+
+MOTOR_DEMAND = AnalogueSettings(
+    rate=1000.0,
+    quantisation=radians(360.0 / 1024.0 / 16.0),  # rad. Declared: a number within the unit, finer than the sensor's
+)
+
+PINION_ANGLE = AnalogueSettings(
+    rate=100.0,  # Hz: a message, as the steering-wheel angle's
+    average=True,
+    noise=radians(0.05),  # Declared: half a step
+    bias_std=radians(0.3),  # Declared: left after adjustment; 12 deg of the motor
+    quantisation=radians(0.1),  # usual steering angle sensor
+    low=-radians(780.0),
+    high=radians(780.0),
+    delay=_BUS_DELAY,
+)
+
 _CAR: dict[str, tuple[AnalogueSettings, Channel]] = {
     "imu/accel": (IMU_ACCEL, Channel("accel_cg", None, "m/s^2", "imu")),
     "imu/gyro": (IMU_GYRO, Channel("gyro", None, "rad/s", "imu")),
     "steering/angle": (STEERING_ANGLE, Channel("steering_wheel_angle", None, "rad")),
     "engine/torque": (ENGINE_TORQUE, Channel("engine_torque", None, "N m")),
     "driveline/torque": (DRIVELINE_TORQUE, Channel("driveline_torque", None, "N m")),
+}
+_ACTIVE_STEERING: dict[str, tuple[AnalogueSettings, Channel]] = {
+    "steering/motor_angle": (MOTOR_ANGLE, Channel("motor_angle", None, "rad")),
+    "steering/motor_demand": (MOTOR_DEMAND, Channel("motor_demand", None, "rad")),
+    "steering/pinion_angle": (PINION_ANGLE, Channel("pinion_angle", None, "rad")),
 }
 _CORNER: dict[str, tuple[AnalogueSettings, str, str]] = {
     "body/{}/accel_z": (BODY_ACCEL, "body_accel_z", "m/s^2"),
@@ -163,7 +190,7 @@ _CORNER: dict[str, tuple[AnalogueSettings, str, str]] = {
     "tyre/{}/temperature": (TYRE_TEMPERATURE, "tyre_temperature", "K"),
 }
 
-CHANNELS: dict[str, Channel] = {name: channel for name, (_, channel) in _CAR.items()} | {
+CHANNELS: dict[str, Channel] = {name: channel for name, (_, channel) in (_CAR | _ACTIVE_STEERING).items()} | {
     pattern.format(wheel): Channel(field, w, unit)
     for pattern, (_, field, unit) in _CORNER.items()
     for w, wheel in enumerate(WHEELS)
@@ -172,11 +199,13 @@ EDGE_NAMES = {wheel: f"wheel/{wheel}/edges" for wheel in WHEELS}
 SPEED_NAMES = {wheel: f"wheel/{wheel}/speed" for wheel in WHEELS}
 
 
-def default_settings() -> dict[str, SensorSettings]:
-    """Every sensor of the car by signal name."""
+def default_settings(active_steering: bool = False) -> dict[str, SensorSettings]:
+    """Every sensor of the car by signal name; those of its active steering if it has one."""
     settings: dict[str, SensorSettings] = {name: figures for name, (figures, _) in _CAR.items()}
     for pattern, (figures, _, _) in _CORNER.items():
         settings |= {pattern.format(wheel): figures for wheel in WHEELS}
     settings |= dict.fromkeys(EDGE_NAMES.values(), EDGES)
     settings |= dict.fromkeys(SPEED_NAMES.values(), BUS_SPEED)
+    if active_steering:
+        settings |= {name: figures for name, (figures, _) in _ACTIVE_STEERING.items()}
     return settings

@@ -17,7 +17,10 @@ _OFF_GRID = 1e-7  # s; a sum of a million steps of 1 ms is off by less, a wrong 
 WIDTHS = {
     "time": 0, "accel_cg": 3, "gyro": 3, "body_accel_z": 4, "hub_accel_z": 4, "rim_angle": 4, "rim_speed": 4,
     "steering_wheel_angle": 0, "engine_torque": 0, "driveline_torque": 0, "tyre_pressure": 4, "tyre_temperature": 4,
+    "motor_angle": 0, "motor_demand": 0, "pinion_angle": 0,
 }  # fmt: skip
+
+_ACTIVE_STEERING = ("motor_angle", "motor_demand", "pinion_angle")
 
 FloatArray = NDArray[np.float64]
 
@@ -32,6 +35,7 @@ class Motion:
     rim_angle: of the rim against its knuckle, unbounded [rad], shape (n, 4). rim_speed: its derivative [rad/s], (n, 4).
     steering_wheel_angle [rad], engine_torque, driveline_torque (of the driven axle) [N m], shape (n,).
     tyre_pressure: gauge [Pa], shape (n, 4). tyre_temperature: of the gas [K], shape (n, 4).
+    motor_angle, motor_demand, pinion_angle: of the active steering [rad], shape (n,), None in a car without it.
     """
 
     time: FloatArray
@@ -46,6 +50,9 @@ class Motion:
     driveline_torque: FloatArray
     tyre_pressure: FloatArray
     tyre_temperature: FloatArray
+    motor_angle: FloatArray | None = None
+    motor_demand: FloatArray | None = None
+    pinion_angle: FloatArray | None = None
 
     def __post_init__(self) -> None:
         n = len(self.time)
@@ -53,6 +60,8 @@ class Motion:
             raise ValueError("motion: no rows, want at least one")
         for part in fields(self):
             value, width = getattr(self, part.name), WIDTHS[part.name]
+            if value is None and part.name in _ACTIVE_STEERING:
+                continue
             want = (n, width) if width else (n,)
             if value.shape != want:
                 raise ValueError(f"motion: {part.name} has shape {value.shape}, want {want}")

@@ -11,14 +11,17 @@ from testbed.sensors.defaults import default_settings
 from testbed.sensors.settings import SensorSettings, check_settings
 
 
-def sensor_settings(overrides: Mapping[str, Mapping[str, Any]] | None = None) -> dict[str, SensorSettings]:
-    """Settings of every sensor by signal name: the defaults, changed by `overrides`.
+def sensor_settings(
+    overrides: Mapping[str, Mapping[str, Any]] | None = None, active_steering: bool = False
+) -> dict[str, SensorSettings]:
+    """Settings of every sensor by signal name: the defaults, changed by `overrides`. active_steering: whether the car
+    has it, and its sensors.
 
     overrides: signal name, or pattern with * for any part of it, -> field -> value, as
     {"imu/gyro": {"noise": 0.001}, "hub/*/accel_z": {"rate": 500.0}}; later entries win.
     ValueError (one line) on a name that no sensor has, a field that the sensor has not, and a value out of its limits.
     """
-    settings = default_settings()
+    settings = default_settings(active_steering)
     for pattern, changes in (overrides or {}).items():
         names = [name for name in settings if fnmatchcase(name, pattern)]
         if not names:

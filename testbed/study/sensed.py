@@ -34,12 +34,14 @@ class SensedDrive:
 def sensed(asked: Scenario, signals: Sequence[str]) -> SensedDrive:
     """The whole drive. ValueError where it cannot be driven to its end."""
     simulation = Simulation(asked)
-    suite = SensorSuite(sensor_settings(asked.sensors), asked.seed, simulation, car_seed=asked.car_seed)
+    suite = SensorSuite(
+        sensor_settings(asked.sensors, asked.active_steering), asked.seed, simulation, car_seed=asked.car_seed
+    )
     every = round(EVERY / asked.step)
     stretches: list[Stretch] = []
     rows: list[NDArray[np.float64]] = []
     for stretch in simulation.stretches():
-        said = suite.advance(motion_of(stretch, asked.step))
+        said = suite.advance(motion_of(stretch, asked.step, asked.active_steering))
         stretches.append({name: said[name] for name in signals})
         kept = slice(every - 1, None, every)
         velocity, angles = stretch["velocity"][kept], attitude(stretch["quaternion"][kept])
