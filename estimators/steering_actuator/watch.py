@@ -110,17 +110,17 @@ def fitted(
         watch = Watch(spread, whitener, target * 0.5**halvings, 0.0, 0.0)
         drives = [statistics(watch, *drive) for drive in zip(errors, firsts, seconds, strict=True)]
         try:
-            mean = threshold_at([_maxima(said[:VARIANCE].max(axis=0)) for said in drives], 0.5 * rate)
+            mean = threshold_at([block_maxima(said[:VARIANCE].max(axis=0)) for said in drives], 0.5 * rate)
         except ValueError as error:
             complaint = str(error)
             continue
-        variance = threshold_at([_maxima(said[VARIANCE]) for said in drives], 0.5 * rate)
+        variance = threshold_at([block_maxima(said[VARIANCE]) for said in drives], 0.5 * rate)
         return replace(watch, mean_threshold=mean, variance_threshold=variance)
     raise ValueError(complaint)
 
 
-def _maxima(statistic: Array) -> Array:
-    """Of whole blocks."""
+def block_maxima(statistic: Array) -> Array:
+    """Largest of each whole block, of (n,)."""
     blocks = len(statistic) // BLOCK
     return statistic[: blocks * BLOCK].reshape(blocks, BLOCK).max(axis=1)
 

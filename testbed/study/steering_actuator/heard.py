@@ -1,0 +1,46 @@
+"""A drive as the monitors hear it: cells of 10 ms of the four steering angles."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from estimators.grid import LATENCY, Grid
+from estimators.steering_actuator.learn import Drive
+from estimators.steering_actuator.steering_actuator import CHANNELS, STEP, SteeringActuator
+from testbed.scenario import Scenario
+from testbed.study.sensed import sensed
+
+
+class Heard(NamedTuple):
+    """[rad], (n,) each, from the beginning of the drive on; NaN where missing."""
+
+    demand: NDArray[np.float64]
+    angle: NDArray[np.float64]
+    pinion: NDArray[np.float64]
+    wheel: NDArray[np.float64]
+
+    @property
+    def drive(self) -> Drive:
+        """As identification takes it."""
+        return self.demand, self.angle, self.pinion, self.wheel
+
+    @property
+    def error_deg(self) -> NDArray[np.float64]:
+        """delta_M - delta_Md (1.4) [deg], (n,)."""
+        return np.degrees(self.angle - self.demand)
+
+
+def heard(asked: Scenario) -> Heard:
+    """The whole drive. ValueError where the car cannot drive it."""
+    drive = sensed(asked, SteeringActuator.reads)
+    grid, parts = Grid(CHANNELS, STEP), []
+    for number, stretch in enumerate(drive.stretches):
+        grid.add(stretch)
+        parts.append(grid.close(number + 1.0 + LATENCY)[0])
+    index = np.concatenate([cells.index for cells in parts])
+    values = np.full((int(index[-1]) + 1, len(CHANNELS)), np.nan)
+    values[index] = np.concatenate([cells.value for cells in parts])
+    return Heard(*(np.ascontiguousarray(column) for column in values.T))
