@@ -16,8 +16,7 @@ from estimators.steering_actuator.watch import fitted
 TARGET, PINION_TARGET = np.radians(10.0), np.radians(30.0)  # rad of motor, that the sums are the quickest for
 
 Array = NDArray[np.float64]
-Drive = tuple[Array, Array, Array, Array]
-"""demand, motor angle, pinion angle, steering-wheel angle [rad] of each cell, (n,), NaN where missing."""
+Drive = tuple[Array, Array, Array, Array]  # demand, motor, pinion, steering wheel [rad], (n,), NaN where missing
 
 
 def learnt(few: Sequence[Drive], many: Sequence[Drive], rate: float) -> Calibration:
