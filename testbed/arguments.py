@@ -228,6 +228,11 @@ def drive_parser() -> Parser:
         action="store_true",
         help="a motor superposes an angle on the driver's: the steering ratio varies with the speed",
     )
+    add(
+        "--faults-in-loop",
+        action="store_true",
+        help="the motor's control works on a faulty steering/motor_angle; without it only the log shows the fault",
+    )
     add("--lock-steering", metavar="S", help="lock that motor at a time in s; the gear's own ratio is left")
     add("--ambient", default="20", help="air temperature in Celsius, -40 to 60 (default %(default)s)")
     add("--seed", default="0", help="of road and sensors (default %(default)s)")
@@ -321,5 +326,6 @@ def scenario_of(options: argparse.Namespace) -> Scenario:
         ambient=round(_quantity("--ambient", options.ambient) + KELVIN, 9),
         sensors=read_json(options.sensors, "--sensors") if options.sensors else {},
         active_steering=options.active_steering,
+        faults_in_loop=options.faults_in_loop,
         steering_lock=_number(options.lock_steering, "--lock-steering") if options.lock_steering is not None else None,
     )

@@ -68,7 +68,8 @@ class Scenario:
     bank [-]. wind: mean speed [m/s], wind_from: where it comes from [rad], 0 against a car that drives along x, a
     quarter turn from the left; gusts: their std over the mean [-]. brake_pulls: by wheel. faults: of sensors, as on the
     command line. seed: of road and sensors; car_seed: of what differs from one sensor to the next of its kind, None: as
-    seed. active_steering: whether the car has it; steering_lock: when its motor is locked [s], None: never."""
+    seed. active_steering: whether the car has it; steering_lock: when its motor is locked [s], None: never;
+    faults_in_loop: whether its control works on the faulty motor_angle, or only the log shows the fault."""
 
     road: str = "C"
     speed: float = 80.0 / 3.6
@@ -98,6 +99,7 @@ class Scenario:
     step: float = 1e-3
     active_steering: bool = False
     steering_lock: float | None = None
+    faults_in_loop: bool = False
 
     def _check_kinds(self) -> None:
         """ValueError where a field does not hold what it should: only a scenario from a file can be so wrong."""
@@ -127,12 +129,15 @@ class Scenario:
 
     def _check_steering(self) -> None:
         """ValueError for active steering that is no choice, or sensors of it in a car without."""
-        if not isinstance(self.active_steering, bool):
-            raise ValueError(f"active_steering {self.active_steering!r} is not valid; want true or false")
+        for name in ("active_steering", "faults_in_loop"):
+            if not isinstance(getattr(self, name), bool):
+                raise ValueError(f"{name} {getattr(self, name)!r} is not valid; want true or false")
         names = [name for text in self.faults for name in parse_fault(text).target.signals]
         if not self.active_steering:
             if lacking := [name for name in names if name in ACTIVE_STEERING_SENSORS]:
                 raise ValueError(f"fault of {lacking[0]}: the car has no active steering (--active-steering)")
+            if self.faults_in_loop:
+                raise ValueError("faults in the loop: the car has no active steering (--active-steering)")
             if self.steering_lock is not None:
                 raise ValueError(f"lock of the steering at {self.steering_lock} s: the car has no active steering")
         elif self.steering_lock is not None and not (_number(self.steering_lock) and self.steering_lock >= 0.0):

@@ -30,7 +30,8 @@ from testbed.roads import make_road
 from testbed.roads.friction import parse_friction
 from testbed.roads.window import RoadWindow
 from testbed.scenario import Scenario
-from testbed.steering.active_steering import steering_state, steering_unit
+from testbed.steering.active_steering import NO_FAULT, SteeringUnit, steering_state, steering_unit
+from testbed.steering.loop_fault import loop_fault
 from testbed.suspension import suspension
 from testbed.tyre import contact, vertical
 from testbed.tyre.contact import tyre_element
@@ -154,8 +155,13 @@ class Simulation:
             pressure_point=body.pressure_point,
             wind=wind_series(s.wind, s.wind_from, s.gusts, float(plan.speed.mean()), s.duration, s.seed),
             steering_ratio=self.vehicle.driveline.steering_ratio,
-            active_steering=steering_unit(self.vehicle.active_steering, s.active_steering, s.step, s.steering_lock),
+            active_steering=self._steering_unit(),
         )
+
+    def _steering_unit(self) -> SteeringUnit:
+        s = self.scenario
+        wrong = loop_fault(s.faults, s.seed, s.duration) if s.faults_in_loop else NO_FAULT
+        return steering_unit(self.vehicle.active_steering, s.active_steering, s.step, s.steering_lock, wrong)
 
     def _state(self, speed: float) -> State:
         steering = steering_state(speed)

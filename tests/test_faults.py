@@ -18,7 +18,7 @@ PITCH = 2.0 * math.pi / TEETH
 FROM, TO = 2.0, 4.0
 KINDS = tuple(fault_kinds())
 NUMBERS = {"bias": ":2", "scale": ":1.1", "spike": ":5,0.2", "noise": ":3", "drift": ":1", "delay": ":0.3",
-           "dropout": ":0.3", "intermittent": ":0.1,0.5", "teeth": ":44"}  # fmt: skip
+           "dropout": ":0.3", "intermittent": ":0.1,0.5", "teeth": ":44", "sine": ":2,1", "hiss": ":3"}  # fmt: skip
 ROUNDING = 1e-12  # of values of order one, added and taken away again
 STEADY = 1e-6  # of a steady wheel's speed: edges lie on a grid of 1 ns
 
@@ -77,7 +77,7 @@ def test_a_fault_does_not_depend_on_how_the_stream_is_cut(kind: str, stretch: fl
 def test_the_same_seed_gives_the_same_bytes_and_another_one_only_where_it_draws(kind: str) -> None:
     first, again, other = (streamed([fault(kind)], 1.0, seed) for seed in (5, 5, 6))
     assert first == again
-    assert (first == other) == (kind not in ("spike", "noise", "dropout", "intermittent"))
+    assert (first == other) == (kind not in ("spike", "noise", "hiss", "dropout", "intermittent"))
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -115,7 +115,13 @@ def test_an_axis_or_a_whole_vector_can_be_faulty(kind: str) -> None:
 
 @pytest.mark.parametrize(
     ("there", "back"),
-    [("bias:2", "bias:-2"), ("scale:1.25", "scale:0.8"), ("drift:0.5", "drift:-0.5"), ("spike:3,0.1", "spike:-3,0.1")],
+    [
+        ("bias:2", "bias:-2"),
+        ("scale:1.25", "scale:0.8"),
+        ("drift:0.5", "drift:-0.5"),
+        ("spike:3,0.1", "spike:-3,0.1"),
+        ("sine:3,7", "sine:-3,7"),
+    ],
 )
 def test_a_fault_and_its_inverse_leave_the_signal(there: str, back: str) -> None:
     result = streamed([f"imu/accel/x={there}@2", f"imu/accel/x={back}@2"], 0.3)["imu/accel"]

@@ -116,6 +116,7 @@ FIELDS: dict[str, tuple[str, Convert]] = {
     "ambient_c": ("ambient", _scaled(1.0, KELVIN)),
     "sensors": ("sensors", _mapping),
     "active_steering": ("active_steering", _as_is),
+    "faults_in_loop": ("faults_in_loop", _as_is),
     "lock_steering_s": ("steering_lock", _scaled(1.0)),
 }
 

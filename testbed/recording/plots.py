@@ -49,6 +49,15 @@ PHYSICS = (
     Plot("Speed", "m/s", r"truth/chassis/speed"),
     Plot("Wheel speed", "rad/s", rf"wheel/{_WHEEL}/speed"),
 )
+STEERING_TAB, STEERING_MOTOR = "Steering", "steering/motor_angle"  # a tab of its own where there is such a motor
+STEERING = (
+    Plot("Steering wheel", "rad", r"steering/angle|truth/steering/wheel_angle"),
+    Plot("Motor and its demand", "rad", r"steering/motor_(?:angle|demand)"),
+    Plot("Pinion", "rad", r"(?:truth/)?steering/pinion_angle"),
+    Plot("Road wheels", "rad", r"truth/steering/road_wheel_angle"),
+    Plot("Motor speed", "rad/s", r"truth/steering/motor_speed"),
+    Plot("Motor torque", "N m", r"truth/steering/motor_torque"),
+)
 _MEASURED = {"Tyre pressure": rf"tyre/{_WHEEL}/pressure"}  # where there is no truth: a real car's log
 _ROOM = 8  # plots of the first tab; the physics takes what the wheels leave
 
@@ -73,6 +82,11 @@ def tabs_of_plots(
             tabs[tab] = plots
     if not tabs and (physics := _physics(numbers, bands, reach)):
         tabs[FIRST] = physics
+    if STEERING_MOTOR in numbers:
+        shown = [(plot, [n for n in numbers if re.fullmatch(plot.names, n)]) for plot in STEERING]
+        tabs[STEERING_TAB] = [
+            _plot(f"{plot.title} [{plot.unit}]", names, bands, reach) for plot, names in shown if names
+        ]
     more = [_estimates(*key, names, numbers, bands, reach) for key, names in rest.items()]
     for start in range(0, len(more), _PER_TAB):
         number = f" {start // _PER_TAB + 1}" if len(more) > _PER_TAB else ""
