@@ -44,16 +44,17 @@ def log(seconds: float, seed: int, active: float = 0.6, sensed: Array | None = N
     """sensed: added to what the motor's angle sensor tells [rad], (n,); loop: to what the servo itself works on."""
     rng = np.random.default_rng((seed, 1))
     wheel = wheel_angle(seconds, seed, active)
-    time = MS * (1.0 + np.arange(len(wheel)))
+    time = MS * np.arange(len(wheel))
     demand = MOTOR_RATIO * (0.8, -0.2, 0.3)[seed % 3] * wheel
     angle = servo(demand - loop * (time > 0.5 * seconds))
     told = angle + loop * (time > 0.5 * seconds) + np.radians(0.3) * rng.standard_normal(len(time))
     if sensed is not None:
         told = told + sensed
     pinion = wheel + angle / MOTOR_RATIO + np.radians(0.2) + np.radians(0.05) * rng.standard_normal(len(time))
+    slow = Signal(time[5::10], pinion.reshape(-1, 10).mean(axis=1), "rad")
     return DriveLog({
         "steering/angle": Signal(time, wheel, "rad"), "steering/motor_demand": Signal(time, demand, "rad"),
-        "steering/motor_angle": Signal(time, told, "rad"), "steering/pinion_angle": Signal(time[5::10], pinion.reshape(-1, 10).mean(axis=1), "rad"),
+        "steering/motor_angle": Signal(time, told, "rad"), "steering/pinion_angle": slow,
     })  # fmt: skip
 
 
@@ -63,9 +64,9 @@ def cells(of: DriveLog) -> tuple[Array, Array, Array, Array]:
     means = []
     for name in names:
         signal = of[f"steering/{name}"]
-        place = np.floor(signal.time / 0.01 + 1e-6).astype(int)
+        place = np.floor(signal.time / 0.01 + 1e-6).astype(np.int64)
         count = np.maximum(np.bincount(place), 1)
         means.append(np.bincount(place, signal.value) / count)
     length = min(len(mean) for mean in means) - 1
-    demand, angle, pinion, wheel = (mean[1:length] for mean in means)
+    demand, angle, pinion, wheel = (mean[:length] for mean in means)
     return demand, angle, pinion, wheel

@@ -1,7 +1,8 @@
 """python -m testbed.identify NAME [--out FILE]: identifies what estimators of the default car start from.
 
 NAME: quarter-cars (estimator vertical_pressure), axles (estimator axles), published (IMM of unscented filters, by road
-class), steering-servo (estimator steering_actuator), steering-monitors (the thesis' monitors of the same). By default the result becomes the file in models/ that drives read. Ten to fifteen minutes each.
+class), steering-servo (estimator steering_actuator), steering-monitors (the thesis' monitors of the same). By default
+the result becomes the file in models/ that drives read. Ten to fifteen minutes each.
 """
 
 from __future__ import annotations

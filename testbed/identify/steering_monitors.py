@@ -3,7 +3,7 @@
 Of each method the numbers by its rule (`estimators.steering_actuator.tuning`), after set A, or B for the last but one,
 of TUNED repetitions of the tuning drives; errors to find are those of the thesis, on set A. And `level`: the factor on
 all thresholds at which set B has one false alarm in 100 h, from the tail of the method's statistic on all repetitions
-(`watch.threshold_at`), the project's own way. Where no tail can be told it is that of the largest value seen.
+(`exponential_tail`), the project's own way.
 """
 
 from __future__ import annotations
@@ -15,11 +15,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimators.steering_actuator.errors import Error
+from estimators.steering_actuator.exponential_tail import threshold_at
 from estimators.steering_actuator.published import METHODS, Method, statistics
-from estimators.steering_actuator.residuals import residuals
+from estimators.steering_actuator.residuals import STEP, residuals
 from estimators.steering_actuator.steering_actuator import FALSE_ALARMS_PER_HOUR
-from estimators.steering_actuator.tuning import MARGIN, tuned
-from estimators.steering_actuator.watch import block_maxima, threshold_at
+from estimators.steering_actuator.tuning import tuned
 from testbed.study.steering_actuator.heard import Heard
 from testbed.study.steering_actuator.scenarios import SET_A, Case
 from testbed.study.steering_actuator.tuning_drives import tuning_drives
@@ -56,8 +56,6 @@ def document(drives: Iterable[tuple[int, Case, Heard]] | None = None) -> dict[st
 
 def level(method: Method, numbers: dict[str, Any], drives: list[Array]) -> float:
     """Factor on the thresholds at the designed rate."""
-    maxima = [block_maxima(statistics(method, numbers, eps).max(axis=1)) for eps in drives]
-    try:
-        return threshold_at(maxima, FALSE_ALARMS_PER_HOUR)
-    except ValueError:
-        return MARGIN * max(float(m.max()) for m in maxima)
+    largest = [float(statistics(method, numbers, eps).max()) for eps in drives]
+    hours = sum(len(eps) for eps in drives) * STEP / 3600.0
+    return threshold_at(largest, hours, FALSE_ALARMS_PER_HOUR)

@@ -86,7 +86,7 @@ def _sizes(rows: Sequence[Mapping[str, Any]]) -> Figure:
 
 
 def _residuals(pooled: Sequence[Mapping[str, Any]]) -> Figure:
-    """Distribution of the position residual, removed beyond each cut, with Gaussians of its and of the thesis' sigma."""
+    """Distribution of the position residual, cut, with Gaussians of its and of the thesis' sigma."""
     counts = np.sum([one["histogram"] for one in pooled], axis=0)
     centre = 0.5 * (EDGES[:-1] + EDGES[1:])
     figure = Figure(figsize=(14, 7), layout="constrained")

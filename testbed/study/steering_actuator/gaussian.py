@@ -15,7 +15,14 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import kurtosis
 
-from estimators.detectors import CusumMean, CusumVariance, count_alarms, poisson_interval, siegmund_threshold, thesis_theta
+from estimators.detectors import (
+    CusumMean,
+    CusumVariance,
+    count_alarms,
+    poisson_interval,
+    siegmund_threshold,
+    thesis_theta,
+)
 from estimators.scores.interval import mean_interval
 from testbed.study.detector_design.conformed import gaussian_distance
 from testbed.study.detector_design.residuals import conform

@@ -1,4 +1,4 @@
-"""A drive as the monitors hear it: cells of 10 ms of the four steering angles, and what the estimator says meanwhile."""
+"""A drive as the monitors hear it: cells of 10 ms of the four steering angles, and what the estimator says."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ from testbed.study.sensed import sensed
 
 
 class Heard(NamedTuple):
-    """demand, angle (of the motor), pinion, wheel: [rad], (n,) each, from the beginning on, NaN where missing; alarms of
-    the estimator, if one listened."""
+    """demand, angle (of the motor), pinion, wheel: [rad], (n,) each, from the beginning on, NaN where missing; alarms
+    of the estimator, if one listened."""
 
     demand: NDArray[np.float64]
     angle: NDArray[np.float64]
@@ -42,4 +42,5 @@ def heard(asked: Scenario, listener: SteeringActuator | None = None) -> Heard:
     index = np.concatenate([cells.index for cells in parts])
     values = np.full((int(index[-1]) + 1, len(CHANNELS)), np.nan)
     values[index] = np.concatenate([cells.value for cells in parts])
-    return Heard(*(np.ascontiguousarray(column) for column in values.T), alarms=tuple(alarms))
+    demand, angle, pinion, wheel = (np.ascontiguousarray(column) for column in values.T)
+    return Heard(demand, angle, pinion, wheel, tuple(alarms))

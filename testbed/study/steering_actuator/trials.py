@@ -15,15 +15,20 @@ from estimators.steering_actuator.calibration import Calibration
 from estimators.steering_actuator.errors import THESIS, Error
 from estimators.steering_actuator.published import METHODS, Verdict, statistics, verdict
 from estimators.steering_actuator.residuals import STEP, residuals
-from estimators.steering_actuator.servo_model import SPEED, STRAIN, simulated
+from estimators.steering_actuator.servo_model import CAUSES, simulated
 from estimators.steering_actuator.watch import VARIANCE
 from estimators.steering_actuator.watching import Watching
 from testbed.study.steering_actuator.heard import Heard
 
 SERVO_MODEL = "servo_model"
+KINDS = ("rated", "late", "tuned")  # thresholds at the designed rate, the same for an error from LATE on, as tuned
+LATE = 5.0  # s
 NAMES = (*(method.name for method in METHODS), SERVO_MODEL)
-SIZES = (0.5, 1.0, 2.0, 3.0, 5.0, 7.0, 10.0, 15.0, 20.0, 30.0, 40.0, 50.0, 70.0, 100.0, 150.0, 200.0, 300.0, 400.0, 500.0,
-         700.0, 1000.0, 1500.0, 2000.0, 3000.0)  # deg  # fmt: skip
+SIZES = (
+    0.5, 1.0, 2.0, 3.0, 5.0, 7.0, 10.0, 15.0, 20.0, 30.0, 40.0, 50.0, 70.0, 100.0, 150.0, 200.0, 300.0, 400.0, 500.0,
+    700.0, 1000.0, 1500.0, 2000.0, 3000.0,
+)  # deg  # fmt: skip
+
 
 Array = NDArray[np.float64]
 Tuned = dict[str, dict[str, Any]]
@@ -44,7 +49,7 @@ def table(drive: Heard, known: Calibration, tuned: Tuned, seed: int) -> dict[str
 
 def by_model(angle: Array, model: Array, known: Calibration) -> Verdict:
     """The first alarm of the servo's watch; model: as `simulated` says, (n, SAID)."""
-    said = Watching(known.servo_watch).take(0, angle - model[:, 0], model[:, SPEED], model[:, STRAIN])
+    said = Watching(known.servo_watch).take(0, angle - model[:, 0], model[:, CAUSES])
     if not said.alarms:
         return Verdict(None, "", False)
     first = said.alarms[0]
@@ -52,23 +57,28 @@ def by_model(angle: Array, model: Array, known: Calibration) -> Verdict:
 
 
 def sizes_found(drive: Heard, known: Calibration, tuned: Tuned) -> dict[str, dict[str, list[float]]]:
-    """Method -> `rated` (thresholds at the designed rate on set B) and `tuned` (the thesis' own) -> constants of SIZES
-    [deg] that are found within the drive."""
+    """Method -> KINDS -> constants of SIZES [deg] that are found within the drive."""
     model = simulated(known.servo, drive.demand)
-    found: dict[str, dict[str, list[float]]] = {name: {"rated": [], "tuned": []} for name in NAMES}
+    found: dict[str, dict[str, list[float]]] = {name: {kind: [] for kind in KINDS} for name in NAMES}
     for size in SIZES:
-        added = Error("constant", size).of(len(drive.demand))
-        eps = residuals(drive.error_deg + added)
-        for method in METHODS:
-            own = tuned[method.name]
-            said = statistics(method, own["numbers"], eps)
-            for kind, level in (("rated", own["level"]), ("tuned", 1.0)):
-                if verdict(said, level).time is not None:
-                    found[method.name][kind].append(size)
-        if by_model(drive.angle + np.radians(added), model, known).time is not None:
-            for kind in ("rated", "tuned"):
-                found[SERVO_MODEL][kind].append(size)
+        for late, start in ((False, 0.0), (True, LATE)):
+            added = Error("constant", size, start).of(len(drive.demand))
+            eps = residuals(drive.error_deg + added)
+            for method in METHODS:
+                own = tuned[method.name]
+                said = statistics(method, own["numbers"], eps)
+                for kind, level in (("late", own["level"]),) if late else (("rated", own["level"]), ("tuned", 1.0)):
+                    _note(found[method.name][kind], size, verdict(said, level).time, start)
+            told = by_model(drive.angle + np.radians(added), model, known).time
+            for kind in ("late",) if late else ("rated", "tuned"):
+                _note(found[SERVO_MODEL][kind], size, told, start)
     return found
+
+
+def _note(sizes: list[float], size: float, told: float | None, start: float) -> None:
+    """What is told before it is there is no finding."""
+    if told is not None and told > start:
+        sizes.append(size)
 
 
 def sound(drive: Heard, known: Calibration, tuned: Tuned) -> dict[str, dict[str, bool]]:

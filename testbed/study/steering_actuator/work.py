@@ -1,7 +1,7 @@
 """A repetition: scenarios driven once; what each monitor says of them and of errors added to them.
 
 Row: found, as JSON text: cases, of each: name, set_a, ended (why, or ""), hours, sound (`trials.sound`), alarms of the
-estimator (time s, text), peaks (largest evidence of the servo's watch in each second, over its threshold); of set A
+estimator (time s, text), evidence (the largest of the servo's watch, over its threshold); of set A
 also table (`trials.table`) and sizes (`trials.sizes_found`). gaussian: `gaussian.measured` of set A. Of repetition 0
 `example`, series for the figures."""
 
@@ -17,9 +17,8 @@ from numpy.typing import NDArray
 from estimators.car import Car
 from estimators.steering_actuator.calibration import Calibration
 from estimators.steering_actuator.residuals import STEP
-from estimators.steering_actuator.servo_model import SPEED, STRAIN, simulated
+from estimators.steering_actuator.servo_model import CAUSES, simulated
 from estimators.steering_actuator.steering_actuator import SteeringActuator
-from estimators.steering_actuator.watch import block_maxima
 from estimators.steering_actuator.watching import Watching
 from models.identified import identified, identified_monitors
 from testbed.simulation import Diverged
@@ -57,11 +56,11 @@ def run(task: Mapping[str, Any]) -> dict[str, Any]:
 def judged(case: Case, drive: Heard, known: Calibration, tuned: dict[str, Any], number: int) -> dict[str, Any]:
     """One drive."""
     model = simulated(known.servo, drive.demand)
-    said = Watching(known.servo_watch).take(0, drive.angle - model[:, 0], model[:, SPEED], model[:, STRAIN])
+    said = Watching(known.servo_watch).take(0, drive.angle - model[:, 0], model[:, CAUSES])
     found = {
         "name": case.name, "set_a": case in SET_A, "ended": "", "hours": len(drive.demand) * STEP / 3600.0,
         "sound": sound(drive, known, tuned), "alarms": [[alarm.time, alarm.text] for alarm in drive.alarms],
-        "peaks": block_maxima(said.evidence).tolist(),
+        "evidence": float(said.evidence.max()),
     }  # fmt: skip
     if case in SET_A:
         seed = number * len(CASES) + CASES.index(case)
@@ -74,5 +73,5 @@ def _series(drive: Heard, known: Calibration) -> dict[str, Any]:
     return {
         "demand": np.degrees(drive.demand).round(2).tolist(), "angle": np.degrees(drive.angle).round(2).tolist(),
         "error": np.degrees(drive.angle - model[:, 0]).round(3).tolist(),
-        "spread": np.degrees(known.servo_watch.spread.at(model[:, SPEED], model[:, STRAIN])).round(3).tolist(),
+        "spread": np.degrees(known.servo_watch.spread.at(model[:, CAUSES])).round(3).tolist(),
     }  # fmt: skip
