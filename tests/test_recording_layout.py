@@ -70,3 +70,14 @@ def test_a_bound_is_drawn_beside_the_deviations_that_it_bounds(tmp_path: Path) -
         b.column("ViewContents:query").flatten().to_pylist() for b in batches if "ViewContents:query" in b.schema.names
     ]
     assert ["/est/m/fl/pressure/std", "/est/m/fl/pressure_bound"] in contents
+
+
+def test_active_steering_has_its_tab_only_where_there_is_one(tmp_path: Path) -> None:
+    names = {"steering/angle", "steering/motor_demand", "steering/motor_angle", "truth/steering/pinion_angle"}
+    for active in (False, True):
+        with RecordingWriter(tmp_path / "a.rrd", {}) as writer:
+            for name in names if active else {"steering/angle"}:
+                writer.add(name, [0.0, 1.0], [0.1, 0.2], "rad")
+            writer.add("truth/chassis/speed", [0.0], [1.0], "m/s")
+        asked, _ = layout(tmp_path / "a.rrd")
+        assert asked == {"/truth/chassis/speed"} | ({f"/{name}" for name in names} if active else set())

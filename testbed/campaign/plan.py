@@ -197,6 +197,8 @@ def calibration_drive(scenario: Scenario, table: Mapping[str, Any], seed: int) -
         "obstacles": (),
         "brake_pulls": {},
         "faults": (),
+        "faults_in_loop": False,
+        "steering_lock": None,
         "seed": seed,
         "car_seed": parts,
     }

@@ -1,10 +1,11 @@
 """The driving scenarios of the thesis' two sets (Razavi, Lund 2006, section 1.1.3), as seeded drives.
 
-With active steering. Set A: ten driven so that the residual of the motor's position becomes as large as it can: rapid steering at speeds at
+Set A: ten driven so that the residual of the motor's position becomes as large as it can: rapid steering at speeds at
 which the ratio is direct. Set B: fifty, those ten and forty that cover every size of residual down to none: straight
 on, motorway, country, town, lane changes, slaloms, circles, parking. The thesis says no more of them than that, so
-manoeuvres and speeds are declared. They last 10 s (longer where the manoeuvre is slow), as the thesis' time axes do; a
-fault begins at 5 s there. Each repetition drives them on roads, with payloads and sensors of its own.
+manoeuvres and speeds are declared. All with active steering. They last 10 s (longer where the manoeuvre is slow), as
+the thesis' time axes do; a fault begins at 5 s there. Each repetition drives them on roads, with payloads and sensors
+of its own.
 """
 
 from __future__ import annotations
