@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from estimators.detectors import Monitor
 from estimators.steering_actuator.residuals import STEP
-from estimators.steering_actuator.watch import ORDER, VARIANCE, Watch
+from estimators.steering_actuator.watch import ORDER, Watch
 
 BACK = round(5.0 / STEP)  # cells
 FARTHEST = 1e9  # of z: so that what is made of it stays finite
@@ -91,7 +91,7 @@ class Watching:
         zeros = np.flatnonzero((statistic == 0.0) | alarm)  # the sum is 0 after the cell
         for k in np.flatnonzero(alarm).tolist():
             self._from_zero(i, begin, zeros[: np.searchsorted(zeros, k)], sums)
-            found.append(Told(begin + k, self._zero[i], i, *self._size(i, sums[:, k] - self._sums[:, i])))
+            found.append(Told(begin + k, self._zero[i], i, *self._size(sums[:, k] - self._sums[:, i])))
         self._from_zero(i, begin, zeros, sums)
         return found
 
@@ -99,8 +99,8 @@ class Watching:
         if len(zeros):
             self._zero[i], self._sums[:, i] = begin + int(zeros[-1]) + 1, sums[:, zeros[-1]]
 
-    def _size(self, kind: int, moments: Array) -> tuple[float, float]:
+    def _size(self, moments: Array) -> tuple[float, float]:
         moved, told, weight = moments.tolist()
-        if kind == VARIANCE or told <= 0.0:
+        if told <= 0.0:
             return 0.0, np.inf
         return self.watch.target * moved / told, self.watch.target * weight**0.5 / told

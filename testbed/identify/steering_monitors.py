@@ -24,7 +24,7 @@ from testbed.study.steering_actuator.heard import Heard
 from testbed.study.steering_actuator.scenarios import SET_A, Case
 from testbed.study.steering_actuator.tuning_drives import tuning_drives
 
-TUNED = 3  # repetitions
+TUNED = 2  # repetitions
 SOUGHT = (
     *(Error("constant", size) for size in (20.0, 30.0, 50.0, 100.0, 200.0, 500.0, 1000.0)),
     Error("noise", 50.0), Error("noise", 100.0), Error("sine", 40.0),

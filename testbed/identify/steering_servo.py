@@ -1,7 +1,7 @@
 """python -m testbed.identify steering-servo: what `steering_actuator` starts from.
 
 Servo model and ratios from the first repetition's drives that are not calm, watches with their thresholds from all
-tuning drives (`testbed.study.steering_actuator.tuning_drives`): an hour of driving, ten minutes.
+tuning drives (`testbed.study.steering_actuator.tuning_drives`): half an hour of driving, five minutes.
 """
 
 from __future__ import annotations
