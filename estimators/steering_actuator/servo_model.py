@@ -8,7 +8,8 @@ it, and a motor whose torque is bounded by its current, and by what the voltage 
 
 Semi-implicit Euler at SUBSTEP, demand linear between the cells of STEP. It is simulated, not corrected by what is
 measured: an error of the measured angle passes in full (the innovation is made of it by whitening, `watch`). A cell
-without a demand takes the last one; after a silence of GAP, or at the beginning, x is the demand and w is 0. What a
+without a demand takes the last one; after a silence of GAP, or at the beginning, x is the demand and w is 0. No angle
+is told then and for RECOVERS after. What a
 model does in transients and at its limits is known worse, and for a while after: push is the largest acceleration, and
 strain is 1 where a limit cuts off all, 0 where nothing; both fade. Left out: the load, which the tyres put on the
 motor: what it does is in the spread (`spread`).
@@ -28,7 +29,8 @@ SUBSTEPS = 10  # of a cell
 SUBSTEP = STEP / SUBSTEPS
 HISTORY = 12  # cells of demand that are kept
 LONGEST_DELAY = STEP * (HISTORY - 2)
-STATE = HISTORY + 6  # demands, newest first; x, w, cells since the last demand, strain, z, push
+STATE = HISTORY + 7  # demands, newest first; x, w, cells since the last demand, strain, z, push, cells to recover
+RECOVERS = 10  # cells
 ANGLE, SPEED, PUSH, STRAIN = range(4)  # columns of what is said
 SAID = 4
 CAUSES = slice(SPEED, SAID)  # of the model's error
@@ -73,7 +75,7 @@ def new_state() -> NDArray[np.float64]:
 @compiled
 def simulate(model, state, demand, out):
     """demand [rad] of each cell, NaN where missing, (n,) -> out (n, SAID): angle, speed, push, strain at its
-    centre, NaN before the first demand. state goes on."""
+    centre, NaN before the first demand, the angle also while it recovers. state goes on."""
     behind = model.delay / STEP
     for k in range(len(demand)):
         missing = not np.isfinite(demand[k])
@@ -84,6 +86,7 @@ def simulate(model, state, demand, out):
             state[:HISTORY] = demand[k]
             state[HISTORY:] = 0.0
             state[HISTORY] = demand[k]
+            state[HISTORY + 6] = RECOVERS
         newest = state[0] if missing else demand[k]
         for i in range(HISTORY - 1, 0, -1):
             state[i] = state[i - 1]
@@ -115,7 +118,9 @@ def simulate(model, state, demand, out):
             x += w * SUBSTEP
         state[HISTORY], state[HISTORY + 1], state[HISTORY + 3], state[HISTORY + 4] = x, w, cut, z
         state[HISTORY + 5] = push
-        out[k, 0], out[k, 1], out[k, 2], out[k, 3] = x, w, push, cut
+        state[HISTORY + 6] = RECOVERS if missing else max(state[HISTORY + 6] - 1.0, 0.0)
+        out[k, 0] = x if state[HISTORY + 6] == 0.0 else np.nan
+        out[k, 1], out[k, 2], out[k, 3] = w, push, cut
 
 
 def simulated(model: ServoModel, demand: NDArray[np.float64]) -> NDArray[np.float64]:
