@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from estimators.steering_actuator.calibration import Calibration
 from estimators.steering_actuator.errors import THESIS, Error
-from estimators.steering_actuator.published import METHODS, Verdict, statistics, verdict
+from estimators.steering_actuator.published import METHODS, Method, Verdict, statistics, verdict
 from estimators.steering_actuator.residuals import STEP, residuals
 from estimators.steering_actuator.servo_model import CAUSES, simulated
 from estimators.steering_actuator.watch import VARIANCE
@@ -65,14 +65,19 @@ def sizes_found(drive: Heard, known: Calibration, tuned: Tuned) -> dict[str, dic
             added = Error("constant", size, start).of(len(drive.demand))
             eps = residuals(drive.error_deg + added)
             for method in METHODS:
-                own = tuned[method.name]
-                said = statistics(method, own["numbers"], eps)
-                for kind, level in (("late", own["level"]),) if late else (("rated", own["level"]), ("tuned", 1.0)):
-                    _note(found[method.name][kind], size, verdict(said, level).time, start)
+                for kind in ("late",) if late else ("rated", "tuned"):
+                    _note(found[method.name][kind], size, _by(method, tuned, kind, eps).time, start)
             told = by_model(drive.angle + np.radians(added), model, known).time
             for kind in ("late",) if late else ("rated", "tuned"):
                 _note(found[SERVO_MODEL][kind], size, told, start)
     return found
+
+
+def _by(method: Method, tuned: Tuned, kind: str, eps: Array) -> Verdict:
+    own = tuned[method.name]
+    if kind == "tuned":
+        return verdict(statistics(method, own["numbers"], eps))
+    return verdict(statistics(method, own["rated"], eps), own["level"])
 
 
 def _note(sizes: list[float], size: float, told: float | None, start: float) -> None:
@@ -86,10 +91,6 @@ def sound(drive: Heard, known: Calibration, tuned: Tuned) -> dict[str, dict[str,
     eps = residuals(drive.error_deg)
     found = {}
     for method in METHODS:
-        own = tuned[method.name]
-        said = statistics(method, own["numbers"], eps)
-        found[method.name] = {
-            "rated": verdict(said, own["level"]).time is not None, "tuned": verdict(said).time is not None,
-        }  # fmt: skip
+        found[method.name] = {kind: _by(method, tuned, kind, eps).time is not None for kind in ("rated", "tuned")}
     own_word = by_model(drive.angle, simulated(known.servo, drive.demand), known).time is not None
     return found | {SERVO_MODEL: {"rated": own_word, "tuned": own_word}}
