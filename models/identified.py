@@ -16,14 +16,21 @@ from typing import Any
 QUARTER_CARS = Path(__file__).with_name("suv_quarter_cars.json")
 TWO_AXLES = Path(__file__).with_name("suv_axles.json")
 CLASS_QUARTER_CARS = Path(__file__).with_name("suv_quarter_cars_by_class.json")
+STEERING_SERVO = Path(__file__).with_name("suv_steering_servo.json")
+STEERING_MONITORS = Path(__file__).with_name("suv_steering_monitors.json")
 
 
 def identified() -> dict[str, dict[str, Any]]:
     """Calibrations by estimator."""
-    files = {"axles": TWO_AXLES, "vertical_pressure": QUARTER_CARS}
+    files = {"axles": TWO_AXLES, "steering_actuator": STEERING_SERVO, "vertical_pressure": QUARTER_CARS}
     return {name: json.loads(file.read_text(encoding="utf-8")) for name, file in files.items()}
 
 
 def identified_by_class() -> dict[str, dict[str, dict[str, Any]]]:
     """c, c2, k, k3 and the errors of each case, by axle and class."""
     return dict(json.loads(CLASS_QUARTER_CARS.read_text(encoding="utf-8")))
+
+
+def identified_monitors() -> dict[str, dict[str, Any]]:
+    """Numbers and level of the thesis' monitors of the steering actuator, by method."""
+    return dict(json.loads(STEERING_MONITORS.read_text(encoding="utf-8")))

@@ -11,7 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimators.drive_log import DriveLog, Signal
+from estimators.grid import Grid
 from estimators.steering_actuator.servo_model import ServoModel
+from estimators.steering_actuator.steering_actuator import CHANNELS, STEP
 
 GAIN, SPEED_GAIN, FASTEST, HARDEST, MOTOR_RATIO = 80.0, 300.0, 150.0, 4000.0, 40.0
 TRUE = ServoModel(GAIN, SPEED_GAIN, 1e-4, 1e-5, FASTEST, HARDEST)
@@ -21,11 +23,12 @@ Array = NDArray[np.float64]
 
 
 def wheel_angle(seconds: float, seed: int, active: float = 0.6) -> Array:
-    """The driver's angle [rad] each millisecond: three sines of 0.2 to 1.5 Hz that begin softly."""
+    """The driver's angle [rad] each millisecond: three sines of 0.2 to 1.5 Hz that begin softly
+    after 1.5 s."""
     rng = np.random.default_rng(seed)
     time = MS * np.arange(round(seconds / MS))
     waves = [rng.uniform(0.0, 0.6) * np.sin(2.0 * np.pi * rng.uniform(0.2, 1.5) * time) for _ in range(3)]
-    return active * np.sum(waves, axis=0) * np.minimum(time, 1.0)
+    return active * np.sum(waves, axis=0) * np.clip(time - 1.5, 0.0, 1.0)
 
 
 def servo(demand: Array) -> Array:
@@ -44,28 +47,24 @@ def log(seconds: float, seed: int, active: float = 0.6, sensed: Array | None = N
     """sensed: added to what the motor's angle sensor tells [rad], (n,); loop: to what the servo itself works on."""
     rng = np.random.default_rng((seed, 1))
     wheel = wheel_angle(seconds, seed, active)
-    time = MS * (1.0 + np.arange(len(wheel)))
+    time = MS * np.arange(len(wheel))
     demand = MOTOR_RATIO * (0.8, -0.2, 0.3)[seed % 3] * wheel
     angle = servo(demand - loop * (time > 0.5 * seconds))
     told = angle + loop * (time > 0.5 * seconds) + np.radians(0.3) * rng.standard_normal(len(time))
     if sensed is not None:
         told = told + sensed
     pinion = wheel + angle / MOTOR_RATIO + np.radians(0.2) + np.radians(0.05) * rng.standard_normal(len(time))
+    slow = Signal(time.reshape(-1, 10).mean(axis=1), pinion.reshape(-1, 10).mean(axis=1), "rad")
     return DriveLog({
         "steering/angle": Signal(time, wheel, "rad"), "steering/motor_demand": Signal(time, demand, "rad"),
-        "steering/motor_angle": Signal(time, told, "rad"), "steering/pinion_angle": Signal(time[5::10], pinion.reshape(-1, 10).mean(axis=1), "rad"),
+        "steering/motor_angle": Signal(time, told, "rad"), "steering/pinion_angle": slow,
     })  # fmt: skip
 
 
 def cells(of: DriveLog) -> tuple[Array, Array, Array, Array]:
-    """demand, angle, pinion, wheel of each 10 ms, (n,)."""
-    names = ("motor_demand", "motor_angle", "pinion_angle", "angle")
-    means = []
-    for name in names:
-        signal = of[f"steering/{name}"]
-        place = np.floor(signal.time / 0.01 + 1e-6).astype(int)
-        count = np.maximum(np.bincount(place), 1)
-        means.append(np.bincount(place, signal.value) / count)
-    length = min(len(mean) for mean in means) - 1
-    demand, angle, pinion, wheel = (mean[1:length] for mean in means)
+    """demand, angle, pinion, wheel of each 10 ms as the estimator hears them, (n,)."""
+    grid = Grid(CHANNELS, STEP)
+    grid.add(of)
+    values = grid.close(of.span[1] + 1.0)[0].value
+    demand, angle, pinion, wheel = (np.ascontiguousarray(column) for column in values.T)
     return demand, angle, pinion, wheel

@@ -76,6 +76,12 @@ def drive(
     signals["imu/accel"] = Signal(time, accel, "m/s^2", "imu")
     signals["driveline/torque"] = Signal(time, torque, "N m")
     signals["steering/angle"] = Signal(time, steer * car.steering_ratio, "rad")
+    motor = 30.0 * signals["steering/angle"].value  # of an active steering: as demanded, i_S = 1, i_M = 40
+    signals["steering/motor_demand"] = Signal(time, motor, "rad")
+    signals["steering/motor_angle"] = Signal(
+        time, motor + 0.01 * np.random.default_rng((seed, 1)).standard_normal(len(motor)), "rad"
+    )
+    signals["steering/pinion_angle"] = Signal(time, (30.0 / 40.0 + 1.0) * signals["steering/angle"].value, "rad")
     for wheel in WHEELS:
         measured = car.pressure + noise.pressure * rng.standard_normal(len(speed))
         signals[f"tyre/{wheel}/pressure"] = Signal(time, measured, "Pa")

@@ -7,13 +7,14 @@ from pathlib import Path
 
 import pytest
 
-from models.identified import CLASS_QUARTER_CARS, QUARTER_CARS, TWO_AXLES
+from models.identified import CLASS_QUARTER_CARS, QUARTER_CARS, STEERING_MONITORS, STEERING_SERVO, TWO_AXLES
 from testbed.identify import __main__ as command
 
 
 def test_each_name_writes_the_file_that_drives_read() -> None:
     assert {name: place for name, (place, _) in command.KINDS.items()} == {
         "quarter-cars": QUARTER_CARS, "axles": TWO_AXLES, "published": CLASS_QUARTER_CARS,
+        "steering-servo": STEERING_SERVO, "steering-monitors": STEERING_MONITORS,
     }  # fmt: skip
     assert all(place.is_file() for place, _ in command.KINDS.values())
 

@@ -5,8 +5,8 @@
     -        alarm    angles: pinion, steering wheel and motor contradict one another
     alarm    alarm    motor angle: its sensor, where both errors are of one size; else motor and angles
 
-An accusation ends BACK after the last alarm. Where the pinion is not heard the first row cannot tell the motor from its
-sensor, and says so.
+An accusation is told once, and ends BACK after the last alarm. Where the pinion is not heard the first row cannot tell
+the motor from its sensor, and says so.
 """
 
 from __future__ import annotations
@@ -18,7 +18,6 @@ import numpy as np
 from estimators.estimator import Alarm, Flag
 from estimators.grid import LATENCY
 from estimators.steering_actuator.residuals import STEP
-from estimators.steering_actuator.watch import VARIANCE
 from estimators.steering_actuator.watching import BACK, Told
 
 SERVO, PINION = 0, 1
@@ -45,6 +44,7 @@ class Accusation:
     def __init__(self, rate: float) -> None:
         self._rate = f"false alarms: one in {1.0 / rate:g} h"
         self._sides: list[_Side | None] = [None, None]
+        self._told: set[str] = set()  # of this accusation
         self.who = ""
 
     def take(self, told: list[tuple[int, Told]], end: int, heard: int | None) -> tuple[list[Alarm], list[Flag]]:
@@ -59,15 +59,15 @@ class Accusation:
         return alarms, flags + self._expire(end)
 
     def _accuse(self, cell: int, pinion_heard: bool) -> list[Alarm]:
-        who = self._culprit(pinion_heard)
-        if who == self.who:
+        self.who = who = self._culprit(pinion_heard)
+        if who in self._told:
             return []
-        self.who = who
+        self._told.add(who)
         side = self._sides[SERVO] or self._sides[PINION]
         assert side is not None
         since = min(s.first.since for s in self._sides if s) * STEP
         off = "it is unsteady"
-        if side.last.kind != VARIANCE and np.isfinite(side.last.std):
+        if _sized(side.last):
             off = f"by {np.degrees(side.last.size):+.1f} deg (std {np.degrees(side.last.std):.1f})"
         return [Alarm(_clock(cell), f"{TEXTS[who]}, {off}, since {since:.2f} s; {self._rate}")]
 
@@ -75,7 +75,7 @@ class Accusation:
         servo, pinion = self._sides
         if servo and pinion:
             a, b = servo.last, pinion.last
-            if VARIANCE in (a.kind, b.kind):
+            if not (_sized(a) and _sized(b)):
                 return "motor angle"
             apart = abs(a.size - b.size)
             alike = apart <= SURE * np.hypot(a.std, b.std) + ALIKE * max(abs(a.size), abs(b.size))
@@ -93,8 +93,14 @@ class Accusation:
                 self._sides[i] = None
                 if self._sides == [None, None]:
                     self.who = ""
+                    self._told.clear()
                     flags.append(Flag(_clock(side.last.cell + BACK), TEXTS[""]))
         return flags
+
+
+def _sized(told: Told) -> bool:
+    """Whether the error has a mean, and is not only unsteady."""
+    return bool(abs(told.size) > SURE * told.std)
 
 
 def _clock(cell: int) -> float:

@@ -21,10 +21,11 @@ _KINDS = ("none", "constant", "noise", "sine", "slope")
 
 @dataclass(frozen=True)
 class Error:
-    """kind: of _KINDS. size: deg, noise power, deg of amplitude or deg/s."""
+    """kind: of _KINDS. size: deg, noise power, deg of amplitude or deg/s; start: s, of a constant."""
 
     kind: str
     size: float = 0.0
+    start: float = 0.0
 
     def __post_init__(self) -> None:
         if self.kind not in _KINDS:
@@ -39,7 +40,7 @@ class Error:
         """Shape (cells,). seed: of noise."""
         time = STEP * (np.arange(cells) + 0.5)
         if self.kind == "constant":
-            return np.full(cells, self.size)
+            return np.where(time > self.start, self.size, 0.0)
         if self.kind == "noise":
             return np.sqrt(self.size / STEP) * np.random.default_rng(seed).standard_normal(cells)
         if self.kind == "sine":

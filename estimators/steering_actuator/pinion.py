@@ -20,7 +20,8 @@ from estimators.steering_actuator.residuals import STEP
 BLOCK = round(1.0 / STEP)  # cells
 PRIOR = np.radians(20.0)  # rad of motor: std of the offset at first. Declared
 WALK = np.radians(0.05)  # rad per sqrt(s). Declared
-NOISE, LATE = np.radians(3.0), 0.005  # rad, s of the motor's speed: std of a block's mean. Declared
+NOISE, LATE = np.radians(3.0), 0.02  # rad, s of the motor's speed: std of a block's mean. Declared
+SURE = np.radians(4.0)  # rad: std of the offset from which on the error is judged
 WILD = 1e6  # rad/s
 
 Array = NDArray[np.float64]
@@ -69,13 +70,13 @@ class Pinion:
         self._offset, self._variance, self._started = 0.0, PRIOR * PRIOR, False
         self._sums = np.zeros(3)  # cells, of the error, of the motor's speed squared, in this block
 
-    def raw(self, pinion: Array, wheel: Array, motor: Array) -> tuple[Array, Array, Array]:
-        """Error with its offset [rad of motor], speeds of motor and steering wheel [rad/s], (n,) each."""
+    def raw(self, pinion: Array, wheel: Array, motor: Array) -> tuple[Array, Array]:
+        """Error with its offset [rad of motor], (n,); its causes (n, 2): speeds of motor and steering wheel [rad/s]."""
         turning, running = rates(wheel, self._last[0]), rates(motor, self._last[1])
         if len(wheel):
             self._last = float(wheel[-1]), float(motor[-1])
         a, b, e, f = self._ratios
-        return motor - (pinion - a * wheel - e * turning - f * running) / b, running, turning
+        return motor - (pinion - a * wheel - e * turning - f * running) / b, np.column_stack([running, turning])
 
     def piece(self, error: Array) -> tuple[Array, float]:
         """Without the offset, NaN as long as none is known; and what it is unsure by [rad]. Cells of one block."""
@@ -83,10 +84,10 @@ class Pinion:
             return np.full(len(error), np.nan), 0.0
         return error - self._offset, self._variance**0.5
 
-    def learn(self, error: Array, running: Array, ends: bool, accused: bool) -> None:
+    def learn(self, error: Array, causes: Array, ends: bool, accused: bool) -> None:
         """Takes a piece of a block, with its offset; `ends`: the last one."""
         known = np.isfinite(error)
-        parts = np.stack([np.ones(int(known.sum())), error[known], running[known] ** 2])
+        parts = np.stack([np.ones(int(known.sum())), error[known], causes[known, 0] ** 2])
         self._sums = np.cumsum(np.concatenate([self._sums[:, None], parts], axis=1), axis=1)[:, -1]
         if not ends:
             return
@@ -97,7 +98,7 @@ class Pinion:
             gain = self._variance / (self._variance + noise)
             self._offset += gain * (total / count - self._offset)
             self._variance *= 1.0 - gain
-            self._started = True
+            self._started |= self._variance < SURE * SURE
         self._sums = np.zeros(3)
 
     def forget(self) -> None:
@@ -106,13 +107,13 @@ class Pinion:
         self._sums = np.zeros(3)
 
 
-def without_offset(found: Ratios, pinion: Array, wheel: Array, motor: Array) -> tuple[Array, Array, Array]:
-    """Of a sound drive from its beginning: error, speeds of motor and steering wheel, (n,) each."""
+def without_offset(found: Ratios, pinion: Array, wheel: Array, motor: Array) -> tuple[Array, Array]:
+    """Of a sound drive from its beginning: error, (n,), and causes, (n, 2)."""
     check = Pinion(found)
-    raw, running, turning = check.raw(pinion, wheel, motor)
+    raw, causes = check.raw(pinion, wheel, motor)
     parts = []
     for begin in range(0, len(raw), BLOCK):
         span = slice(begin, begin + BLOCK)
         parts.append(check.piece(raw[span])[0])
-        check.learn(raw[span], running[span], True, False)
-    return np.concatenate(parts), running, turning
+        check.learn(raw[span], causes[span], True, False)
+    return np.concatenate(parts), causes

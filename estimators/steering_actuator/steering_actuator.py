@@ -30,7 +30,7 @@ from estimators.steering_actuator.accusation import PINION, SERVO, Accusation
 from estimators.steering_actuator.calibration import Calibration
 from estimators.steering_actuator.pinion import BLOCK, Pinion
 from estimators.steering_actuator.residuals import GAP, STEP
-from estimators.steering_actuator.servo_model import SAID, SPEED, STRAIN, new_state, simulate
+from estimators.steering_actuator.servo_model import CAUSES, SAID, new_state, simulate
 from estimators.steering_actuator.watching import BACK, Said, Told, Watching
 
 FALSE_ALARMS_PER_HOUR = 0.01
@@ -141,7 +141,7 @@ class SteeringActuator(Estimator):
             return told
         model = np.empty((len(cell), SAID))
         simulate(calibration.servo, self._state, demand, model)
-        said = self._servo.take(first, angle - model[:, 0], model[:, SPEED], model[:, STRAIN])
+        said = self._servo.take(first, angle - model[:, 0], model[:, CAUSES])
         _keep_said(rows, "servo", cell, angle - model[:, 0], said)
         told += [(SERVO, alarm) for alarm in said.alarms]
         told += self._watch_pinion(first, pinion, wheel, angle, rows)
@@ -153,7 +153,7 @@ class SteeringActuator(Estimator):
         check, watching, told = self._pinion, self._pinion_watching, list[tuple[int, Told]]()
         if check is None or watching is None:
             return told
-        raw, running, turning = check.raw(pinion, wheel, angle)
+        raw, causes = check.raw(pinion, wheel, angle)
         if self._pinion_heard is None and np.isfinite(raw).any():
             self._pinion_heard = first + int(np.argmax(np.isfinite(raw)))
         last, begin = first + len(raw), first
@@ -161,12 +161,12 @@ class SteeringActuator(Estimator):
             end = min((begin // BLOCK + 1) * BLOCK, last)
             span = slice(begin - first, end - first)
             error, unsure = check.piece(raw[span])
-            said = watching.take(begin, error, running[span], turning[span], unsure)
+            said = watching.take(begin, error, causes[span], unsure)
             _keep_said(rows, "pinion", np.arange(begin, end), error, said)
             if said.alarms:
                 self._pinion_until = said.alarms[-1].cell + BACK
                 told += [(PINION, alarm) for alarm in said.alarms]
-            check.learn(raw[span], running[span], end % BLOCK == 0, self._pinion_until >= end)
+            check.learn(raw[span], causes[span], end % BLOCK == 0, self._pinion_until >= end)
             begin = end
         return told
 

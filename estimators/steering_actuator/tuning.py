@@ -2,8 +2,8 @@
 
 For each residual and each drift (or forgetting factor) of a grid the threshold is MARGIN times the largest statistic on
 the sound tuning drives, never below the drift; of these the one is taken that finds the errors of `faulty` soonest on
-the average, one that is not found counting as the drive's length. Limits of local ones: the largest residual halved,
-and halved again. Only tuning drives come here; what the detectors then do is told on others.
+the average, one that is not found counting as the drive's length. Limits of local ones: the largest residual, half of
+it, and so on. Only tuning drives come here; what the detectors then do is told on others.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ def _of_residual(method: Method, sound: list[Array], faulty: list[Array]) -> Num
     largest = max(float(np.nanmax(np.abs(x))) for x in sound)
     if method.family not in ("local", "local_global"):
         return _best(method, sound, faulty, _choices(method, largest))
-    limits: list[float | None] = [largest * 0.5**k for k in range(LOCAL_CHANNELS, 0, -1)]
+    limits: list[float | None] = [largest * 0.5**k for k in range(LOCAL_CHANNELS - 1, -1, -1)]
     if method.family == "local_global":
         limits.append(None)
     channels = [_best(method, sound, faulty, _local_choices(limit, largest)) for limit in limits]

@@ -1,8 +1,8 @@
 """The evolving state of a `Watch`: alarms as they come, the same however the cells are cut.
 
 An alarm starts its sum anew. The error is there since the last zero of the sum that told it, and taken back once BACK
-has passed without another alarm. Its size is the most likely one since then, TARGET sum(d e) / sum(d^2), with standard
-deviation TARGET / sqrt(sum(d^2)). A cell that is missing, and the ORDER after it, change nothing.
+has passed without another alarm. Its size is the weighted mean since then, TARGET sum(w e) / sum(w d), with standard
+deviation TARGET sqrt(sum(w^2)) / sum(w d). A cell that is missing, and the ORDER after it, change nothing.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from estimators.detectors import Monitor
 from estimators.steering_actuator.residuals import STEP
-from estimators.steering_actuator.watch import ORDER, VARIANCE, Watch
+from estimators.steering_actuator.watch import ORDER, Watch
 
 BACK = round(5.0 / STEP)  # cells
 FARTHEST = 1e9  # of z: so that what is made of it stays finite
@@ -51,8 +51,8 @@ class Watching:
         self._detectors = watch.detectors()
         self._monitors = [Monitor(detector, "restart") for detector in self._detectors]
         self._zero = [NEVER] * len(self._monitors)  # cell before which the sum was 0
-        self._sums = np.zeros((2, len(self._monitors)))  # of d e and d^2 at that cell
-        self._now = np.zeros(2)
+        self._sums = np.zeros((3, len(self._monitors)))  # of w e, w d and w^2 (`Watch.increments`) at that cell
+        self._now = np.zeros(3)
         self._before = np.full((2, ORDER), np.nan)  # z and s
 
     def restart(self) -> None:
@@ -63,17 +63,17 @@ class Watching:
         self._sums[:] = self._now[:, None]
         self._before[:] = np.nan
 
-    def take(self, begin: int, error: Array, first: Array, second: Array, unsure: float = 0.0) -> Said:
-        """Cells from number `begin` on, (n,) each: error [rad], its two causes, NaN where missing. unsure: std of what
-        the error is measured from [rad]."""
-        s = np.sqrt(self.watch.spread.at(first, second) ** 2 + unsure * unsure)
+    def take(self, begin: int, error: Array, causes: Array, unsure: float = 0.0) -> Said:
+        """Cells from number `begin` on, error [rad], (n,), NaN where missing, and its causes (n, m). unsure: std
+        of what the error is measured from [rad]."""
+        s = np.sqrt(self.watch.spread.at(causes) ** 2 + unsure * unsure)
         z = np.clip(error / s, -FARTHEST, FARTHEST)
         self._before = np.concatenate([self._before, np.stack([z, s])], axis=1)
-        rows, d, e = self.watch.increments(*self._before)
-        rows, d, e = rows[:, ORDER:], d[ORDER:], e[ORDER:]
+        rows, moments = self.watch.increments(*self._before)
+        rows, moments = rows[:, ORDER:], moments[:, ORDER:]
         self._before = self._before[:, -ORDER:]
         known = np.isfinite(rows[0])
-        added = np.stack([np.where(known, d * e, 0.0), np.where(known, d * d, 0.0)])
+        added = np.where(known, moments, 0.0)
         sums = np.cumsum(np.concatenate([self._now[:, None], added], axis=1), axis=1)[:, 1:]
         if len(s) and NEVER in self._zero:
             self._zero = [begin if zero == NEVER else zero for zero in self._zero]
@@ -91,8 +91,7 @@ class Watching:
         zeros = np.flatnonzero((statistic == 0.0) | alarm)  # the sum is 0 after the cell
         for k in np.flatnonzero(alarm).tolist():
             self._from_zero(i, begin, zeros[: np.searchsorted(zeros, k)], sums)
-            moved, weight = (sums[:, k] - self._sums[:, i]).tolist()
-            found.append(Told(begin + k, self._zero[i], i, *self._size(i, moved, weight)))
+            found.append(Told(begin + k, self._zero[i], i, *self._size(sums[:, k] - self._sums[:, i])))
         self._from_zero(i, begin, zeros, sums)
         return found
 
@@ -100,7 +99,8 @@ class Watching:
         if len(zeros):
             self._zero[i], self._sums[:, i] = begin + int(zeros[-1]) + 1, sums[:, zeros[-1]]
 
-    def _size(self, kind: int, moved: float, weight: float) -> tuple[float, float]:
-        if kind == VARIANCE or weight <= 0.0:
+    def _size(self, moments: Array) -> tuple[float, float]:
+        moved, told, weight = moments.tolist()
+        if told <= 0.0:
             return 0.0, np.inf
-        return self.watch.target * moved / weight, self.watch.target / weight**0.5
+        return self.watch.target * moved / told, self.watch.target * weight**0.5 / told

@@ -1,7 +1,8 @@
 """python -m testbed.identify NAME [--out FILE]: identifies what estimators of the default car start from.
 
 NAME: quarter-cars (estimator vertical_pressure), axles (estimator axles), published (IMM of unscented filters, by road
-class). By default the result becomes the file in models/ that drives read. Ten to fifteen minutes each.
+class), steering-servo (estimator steering_actuator), steering-monitors (the thesis' monitors of the same). By default
+the result becomes the file in models/ that drives read. Ten to fifteen minutes each.
 """
 
 from __future__ import annotations
@@ -13,14 +14,16 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from estimators.whole_file import check_writable, write_json
-from models.identified import CLASS_QUARTER_CARS, QUARTER_CARS, TWO_AXLES
+from models.identified import CLASS_QUARTER_CARS, QUARTER_CARS, STEERING_MONITORS, STEERING_SERVO, TWO_AXLES
 from testbed.arguments import Parser
-from testbed.identify import axles, published, quarter_cars
+from testbed.identify import axles, published, quarter_cars, steering_monitors, steering_servo
 
 KINDS = {
     "quarter-cars": (QUARTER_CARS, quarter_cars.document),
     "axles": (TWO_AXLES, axles.document),
     "published": (CLASS_QUARTER_CARS, published.document),
+    "steering-servo": (STEERING_SERVO, steering_servo.document),
+    "steering-monitors": (STEERING_MONITORS, steering_monitors.document),
 }
 
 
