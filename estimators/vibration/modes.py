@@ -27,7 +27,6 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-
 PATCH = 0.115  # m, length of the contact patch at nominal load and pressure
 NEAREST_GAP = 0.85  # of the gap's frequency: nearer, the slope is that of this place; modes are read below it
 
@@ -37,9 +36,9 @@ class Mode:
     """name; band of the spectrum that is fitted [Hz]; slowest, fastest: speeds at which it is read [m/s].
 
     frequency: prior of the natural frequency [Hz], frequency_std of its ln; damping: prior ratio, damping_std of its
-    ln; slope, bend: prior (mean, std) of the road's shape, see `spectral_fit`, slope besides the patch's. sensitivity: d ln f / d ln p,
-    sensitivity_std its relative std between cars. road_std: of ln f from road class to class and speed to speed, which
-    no averaging removes. speed_span: change of ln speed within which a spectrum is one.
+    ln; slope, bend: prior (mean, std) of the road's shape, see `spectral_fit`, the slope besides the patch's.
+    sensitivity: d ln f / d ln p, sensitivity_std its relative std between cars. road_std: of ln f from road class to
+    class and speed to speed, which no averaging removes. speed_span: change of ln speed within which a spectrum is one.
     """
 
     name: str
