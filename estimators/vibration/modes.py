@@ -63,11 +63,7 @@ class Mode:
 
     def patch_slope(self, speed: float) -> float:
         """Slope d ln power / d ln f that the contact patch gives the road's input at a speed [m/s]."""
-        x = (
-            min(math.pi * self.frequency * PATCH / speed, NEAREST_GAP * math.pi)
-            if speed > 0.0
-            else NEAREST_GAP * math.pi
-        )
+        x = math.pi * min(self.frequency * PATCH / max(speed, 1e-9), NEAREST_GAP)
         return 2.0 * (x / math.tan(x) - 1.0)
 
 
