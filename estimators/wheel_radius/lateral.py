@@ -102,7 +102,7 @@ class Lateral:
             gain = row.copy()
             gain[state] = anchored / axle_track(self._car, state, motion.cos_steer)
             gain[state + UNLIKE] = -gain[state] * self._pulls[state].follow(pull, PULL_EXCITATION)
-            measured.append(value)
+            measured.append(value - float(motion.curve[0 if state == FRONT else 1]) * row[state])
             rows.append(row)
             gains.append(gain)
         variances = self._noise.variances()

@@ -16,13 +16,14 @@ while the others roll; what its neighbours tell is still read.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
 from estimators.car import Car
 from estimators.grid import Channel
+from estimators.wheel_radius.curve import curve_shift
 from estimators.wheel_radius.traction import axle_pull, drive_force, net_force, traction
 
 STUCK = 3.0  # [s]; a moving wheel's speed is never the same for so long, in steps of 0.01 to 0.04 km/h
@@ -57,7 +58,7 @@ class Motion:
     pull: (2,) force over load of the front and rear axle [-], 0 where unknown; force: of the drive, less what spins up
     the wheels and the air drag [N], NaN while braking or without a torque signal; specific: along the car [m/s^2], NaN
     if none; readable: radii may be read from this cell, of the wheels whose omega is a number; standing: all wheels
-    have been at rest for a second.
+    have been at rest for a second. curve: what a curve adds to r_left / r_right - 1 of front and rear axle (2,) [-].
     """
 
     index: int
@@ -75,6 +76,7 @@ class Motion:
     specific: float
     readable: bool
     standing: bool
+    curve: NDArray[np.float64] = field(default_factory=lambda: np.zeros(2))
 
 
 class MotionTracker:
@@ -116,7 +118,9 @@ class MotionTracker:
             and not abs(acceleration) > MAX_LONGITUDINAL
         )
         self._standing_cells = self._standing_cells + 1 if bool((np.abs(cell[:4]) < STANDSTILL_OMEGA).all()) else 0
+        lateral = speed * yaw_rate if np.isnan(accel_y) else accel_y
         force = drive_force(car, speed, acceleration, accel_x, torque if self.torque_seen else None)
+        pull = axle_pull(car, force, speed, acceleration, accel_x)
         return Motion(
             index=index,
             time=time,
@@ -128,11 +132,12 @@ class MotionTracker:
             gyro_gain=gain,
             stand_in=not self.gyro_seen,
             traction=traction(car, force, acceleration),
-            pull=axle_pull(car, force, speed, acceleration, accel_x),
+            pull=pull,
             force=net_force(car, force, speed, acceleration) if self.torque_seen else float("nan"),
             specific=accel_x,
             readable=readable,
             standing=self._standing_cells >= STANDSTILL_CELLS,
+            curve=curve_shift(car, lateral if moving and not np.isnan(lateral) else 0.0, pull),
         )
 
     def _without_dead(self, omega: NDArray[np.float64]) -> None:

@@ -17,12 +17,10 @@ import numpy as np
 
 from estimators.car import GRAVITY, Car
 from estimators.wheel_radius.bounded_filter import Anchor, BoundedFilter
+from estimators.wheel_radius.curve import RADIUS_LOAD
 from estimators.wheel_radius.motion import Motion
 from estimators.wheel_radius.noise import NoiseLevel
 
-RADIUS_LOAD = (
-    -1.1e-6
-)  # d ln(rolling radius) / d load [1/N]: published Magic Formula sets, and 0.5 mm per kN of real tyres
 REAR_SHARE, REAR_SHARE_STD = 0.72, 0.25  # between the front seats and behind the rear axle
 USUAL, SPREAD = 150.0, 250.0  # [kg] of people and luggage over the car's own mass, and its std
 LOADING_TIME = 10.0  # [s] of standing in which somebody may get in
