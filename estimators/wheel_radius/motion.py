@@ -44,7 +44,9 @@ MAX_YAW_DOUBT, MAX_SIDE = (
     0.05,
     0.01,
 )  # [rad/s], [-] of radius by which the rear wheels' yaw rate may differ from the gyro's
-DEAD_SHARE = 0.3  # of the others' speed below which a wheel does not roll
+SPINNING, RECOVERY = 0.1, 10  # slip of a side from which a wheel spins or locks, cells after it that are not read
+DEAD_SHARE = 0.3  # of both its neighbours' speed below which a wheel does not roll
+NEIGHBOURS = ((1, 2), (0, 3), (3, 0), (2, 1))  # of each wheel: across the car, along it
 STANDSTILL_CELLS = 10  # with every wheel at rest before the car counts as standing
 STANDSTILL_OMEGA = 0.02  # [rad/s]
 
@@ -85,7 +87,7 @@ class MotionTracker:
     def __init__(self, car: Car, step: float) -> None:
         self._car, self._step = car, step
         self._last: tuple[int, float] | None = None
-        self._standing_cells = 0
+        self._standing_cells = self._recovering = 0
         self.dead = np.zeros(4, dtype=bool)
         self.torque_seen = False
         self.gyro_seen = False
@@ -110,9 +112,12 @@ class MotionTracker:
         if np.isnan(steer):
             steer = car.wheelbase * yaw_rate / speed if moving else 0.0
         doubt = MAX_YAW_DOUBT + MAX_SIDE * speed / car.rear_track
+        slip = _slip(omega)
+        self._recovering = RECOVERY if slip > SPINNING else max(self._recovering - 1, 0)
         readable = bool(
             moving
-            and not abs(_ratio(omega) - 1.0) > MAX_SLIP
+            and not slip > MAX_SLIP
+            and self._recovering == 0
             and abs(speed * yaw_rate) < MAX_LATERAL
             and not abs(wheel_yaw - yaw_rate) > doubt
             and not abs(acceleration) > MAX_LONGITUDINAL
@@ -141,13 +146,12 @@ class MotionTracker:
         )
 
     def _without_dead(self, omega: NDArray[np.float64]) -> None:
-        """Wheels that stand while others roll become NaN, and are remembered in `dead`."""
-        known = omega[np.isfinite(omega)]
-        fastest = float(np.median(known)) if len(known) > 1 else 0.0
-        if fastest * self._car.rolling_radius > MIN_SPEED:
-            dead = np.abs(omega) < DEAD_SHARE * fastest
-            self.dead |= dead
-            omega[dead] = np.nan
+        """Wheels that stand while both their neighbours roll become NaN, and are remembered in `dead`. Beside a wheel
+        that spins its neighbours are slow too."""
+        slowest = np.array([_slowest(omega[list(wheels)]) for wheels in NEIGHBOURS])
+        dead = (slowest * self._car.rolling_radius > MIN_SPEED) & (np.abs(omega) < DEAD_SHARE * slowest)
+        self.dead |= dead
+        omega[dead] = np.nan
 
     def _speed(self, omega: NDArray[np.float64]) -> float:
         """Of the wheels that roll freely, of all where none of those is known [m/s]."""
@@ -165,11 +169,18 @@ class MotionTracker:
         return (speed - last[1]) / ((index - last[0]) * self._step)
 
 
-def _ratio(omega: NDArray[np.float64]) -> float:
-    """Front over rear wheels [-], of the sides that are known; NaN if none is."""
-    sides = omega[:2] / omega[2:]
-    known = sides[np.isfinite(sides)]
-    return float(known.mean()) if len(known) else float("nan")
+def _slowest(omega: NDArray[np.float64]) -> float:
+    """Of those wheels that are known [rad/s]; 0 if none is."""
+    known = np.abs(omega[np.isfinite(omega)])
+    return float(known.min()) if len(known) else 0.0
+
+
+def _slip(omega: NDArray[np.float64]) -> float:
+    """|Front over rear wheel - 1| [-], the larger of the sides that are known; 0 if none is."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        sides = np.abs(omega[:2] / omega[2:] - 1.0)
+    known = sides[~np.isnan(sides)]
+    return float(known.max()) if len(known) else 0.0
 
 
 def rolling_ratios(car: Car, curvature: float, steer: float) -> NDArray[np.float64]:
