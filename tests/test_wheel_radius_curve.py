@@ -95,6 +95,15 @@ def test_driven_wheels_that_spin_are_not_read_and_the_others_are_not_dead() -> N
     assert rolls == [False] * (RECOVERY - 1) + [True] * 3
 
 
+def test_a_car_that_slides_past_its_steering_is_not_read() -> None:
+    """Full lock at a yaw rate of 0.06 rad/s, as a simulated drive on ice had it; 1 m/s^2 of understeer is read."""
+    for angle, read in ((0.6, False), (CAR.wheelbase * 0.06 / 13.36 + 0.015, True)):
+        tracker = MotionTracker(CAR, 0.1)
+        omega = np.array([13.25, 13.35, 13.42, 13.38]) / CAR.rolling_radius
+        cell = np.array([*omega, 0.06, 0.0, 0.8, 0.0, angle * CAR.steering_ratio])
+        assert tracker.motion(0, 0.0, cell).readable is read
+
+
 def test_a_dead_wheel_is_told_from_one_that_stands_beside_spinning_ones() -> None:
     tracker = MotionTracker(CAR, 0.1)
     assert all(cells(tracker, [[20.0, 20.0, 0.0, 20.0]] * 3))

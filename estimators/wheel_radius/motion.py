@@ -11,7 +11,9 @@ radius' own dependence on load and speed, which is why hard driving is not read.
 
 Reversing: speeds that have a sign are below 0 then and not read; without one the wheels turn the other way round than
 the gyro says, and a cell in which the two contradict each other is not read. A wheel that is dead is NaN, or stands
-while the others roll; what its neighbours tell is still read.
+while both its neighbours roll; what they tell is still read. While a wheel spins or locks or the car slides, and a
+second after, nothing is: setting off on ice both driven wheels spin, unlike by metres a second, beside two that hardly
+roll; sliding through a curve at full lock, the wheels' speeds differ by the cosines of their slip angles.
 """
 
 from __future__ import annotations
@@ -44,7 +46,9 @@ MAX_YAW_DOUBT, MAX_SIDE = (
     0.05,
     0.01,
 )  # [rad/s], [-] of radius by which the rear wheels' yaw rate may differ from the gyro's
-SPINNING, RECOVERY = 0.1, 10  # slip of a side from which a wheel spins or locks, cells after it that are not read
+SPINNING = 0.3  # slip of a side from which a wheel spins or locks
+MAX_SIDE_SLIP = 0.04  # [rad] by which the path may leave the steered one; up to 0.02 on roads, 0.6 in a slide on ice
+RECOVERY = 10  # cells with less than MAX_SLIP on both sides after it until radii are read again
 DEAD_SHARE = 0.3  # of both its neighbours' speed below which a wheel does not roll
 NEIGHBOURS = ((1, 2), (0, 3), (3, 0), (2, 1))  # of each wheel: across the car, along it
 STANDSTILL_CELLS = 10  # with every wheel at rest before the car counts as standing
@@ -108,15 +112,18 @@ class MotionTracker:
             gyro = accel_y * gain
         wheel_yaw = float(omega[3] - omega[2]) * car.rolling_radius / car.rear_track
         yaw_rate = wheel_yaw if np.isnan(gyro) else gyro
-        steer = wheel_angle / car.steering_ratio
+        steer, path = wheel_angle / car.steering_ratio, car.wheelbase * yaw_rate / speed if moving else 0.0
         if np.isnan(steer):
-            steer = car.wheelbase * yaw_rate / speed if moving else 0.0
+            steer = path
         doubt = MAX_YAW_DOUBT + MAX_SIDE * speed / car.rear_track
-        slip = _slip(omega)
-        self._recovering = RECOVERY if slip > SPINNING else max(self._recovering - 1, 0)
+        slips = _slips(omega)
+        most = float(np.abs(slips).max()) if len(slips) else 0.0
+        slides = most > SPINNING or (moving and abs(steer - path) > MAX_SIDE_SLIP)
+        slides |= self._recovering > 0 and most > MAX_SLIP
+        self._recovering = RECOVERY if slides else max(self._recovering - 1, 0)
         readable = bool(
             moving
-            and not slip > MAX_SLIP
+            and not (len(slips) and abs(float(slips.mean())) > MAX_SLIP)
             and self._recovering == 0
             and abs(speed * yaw_rate) < MAX_LATERAL
             and not abs(wheel_yaw - yaw_rate) > doubt
@@ -175,12 +182,11 @@ def _slowest(omega: NDArray[np.float64]) -> float:
     return float(known.min()) if len(known) else 0.0
 
 
-def _slip(omega: NDArray[np.float64]) -> float:
-    """|Front over rear wheel - 1| [-], the larger of the sides that are known; 0 if none is."""
+def _slips(omega: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Front over rear wheel, less one [-], of the sides that are known."""
     with np.errstate(divide="ignore", invalid="ignore"):
-        sides = np.abs(omega[:2] / omega[2:] - 1.0)
-    known = sides[~np.isnan(sides)]
-    return float(known.max()) if len(known) else 0.0
+        sides = omega[:2] / omega[2:] - 1.0
+    return sides[~np.isnan(sides)]
 
 
 def rolling_ratios(car: Car, curvature: float, steer: float) -> NDArray[np.float64]:
