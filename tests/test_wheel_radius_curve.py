@@ -44,7 +44,7 @@ def test_a_driven_axle_that_pulls_hard_reads_a_curve_the_other_way_round() -> No
 def winding(told: Car) -> Lateral:
     """Deltas of equal radii after a winding road on which load moves and the lighter wheel slips more; told: the car
     that the filter is told."""
-    speed = varied_speed(180.0)
+    speed = varied_speed(180.0, 12.0, 3.0)
     curvature = 0.6 * np.sin(np.arange(len(speed)) / 100.0 / 3.0) / np.maximum(speed, 5.0) ** 2
     force = CAR.mass * np.gradient(speed, 0.01) + air_drag(CAR, 1.0) * speed**2
     moved = CAR.mass * speed**2 * curvature * CAR.cg_height / (CAR.front_track + CAR.rear_track)

@@ -34,7 +34,7 @@ DELTA_STD = 5e-3  # equal tyres differ by 0.3-0.6 %
 DRIFT = 1e-4  # [1/sqrt(s)] of a delta: a step of 0.25 % is followed within a minute
 UNLIKE_STD, UNLIKE_DRIFT = 2.5e-3, 2e-4  # [-], [1/sqrt(s)]: a low tyre's 1/k is a tenth smaller
 TRACK_STD = 0.06  # [-] of a track and a gyro's scale
-TURN_EXCITATION = 0.01  # [rad/s] of yaw rate that tells a track from a radius
+TURN_EXCITATION = 2e-3  # [1/m] of curvature from which it tells a track from a radius; below, 6 % is 2e-4 of radius
 PULL_EXCITATION = 0.02  # [-] by which the pull must move to tell slip from radius
 SMOOTHING = 10.0  # cells over which the pull is averaged before
 OFFSET_STD = (0.005, 0.1)  # gyro [rad/s], lateral accelerometer standing in for it [m/s^2] (bank, mounting)
@@ -73,7 +73,6 @@ class Lateral:
         self._noise = PairNoise(self._car, GYRO_NOISE[stand_in] * (0.1 if stand_in else 1.0))
         self._still = NoiseLevel(GYRO_NOISE[stand_in] ** 2)
         self._anchor = Anchor()
-        self._turn = Anchor(SMOOTHING)
         self._pulls = {REAR: Anchor(SMOOTHING), FRONT: Anchor(SMOOTHING)}
         self._stepped: float | None = None
         self.seconds = {REAR: 0.0, FRONT: 0.0}
@@ -105,7 +104,7 @@ class Lateral:
         """Update with gyro, rear and front axle, each as noisy as it was measured to be."""
         anchored = self._anchor.follow(motion.speed, EXCITATION * motion.speed)
         yaw = motion.gyro - motion.gyro_gain * float(self._filter.state[2])
-        turn = self._turn.follow(yaw, TURN_EXCITATION)
+        turn = yaw if abs(yaw) > TURN_EXCITATION * motion.speed else 0.0
         measured, rows, gains = [motion.gyro], [gyro_row], [gyro_row]
         for state in (REAR, FRONT):
             pull = float(motion.pull[0 if state == FRONT else 1])
