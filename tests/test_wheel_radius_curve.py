@@ -13,7 +13,6 @@ from estimators.wheel_radius.lateral import FRONT, REAR, Lateral
 from estimators.wheel_radius.motion import RECOVERY, MotionTracker
 from estimators.wheel_radius.payload import SIDE_MOMENT, TRACK, WIND_MOMENT, side_shift
 from estimators.wheel_radius.residuals import Methods
-from estimators.wheel_radius.traction import air_drag, axle_loads
 from tests.synthetic_drive import Noise, drive, varied_speed
 from tests.test_wheel_radius_conditions import fed
 
@@ -42,18 +41,10 @@ def test_a_driven_axle_that_pulls_hard_reads_a_curve_the_other_way_round() -> No
 
 
 def winding(told: Car) -> Lateral:
-    """Deltas of equal radii after a winding road on which load moves and the lighter wheel slips more; told: the car
-    that the filter is told."""
+    """Deltas of equal radii after a winding road; told: the car that the filter is told."""
     speed = varied_speed(180.0, 12.0, 3.0)
     curvature = 0.6 * np.sin(np.arange(len(speed)) / 100.0 / 3.0) / np.maximum(speed, 5.0) ** 2
-    force = CAR.mass * np.gradient(speed, 0.01) + air_drag(CAR, 1.0) * speed**2
-    moved = CAR.mass * speed**2 * curvature * CAR.cg_height / (CAR.front_track + CAR.rear_track)
-    loads = axle_loads(CAR, 0.0)
-    front = moved * (-RADIUS_LOAD - INNER_SLIP * force / loads[0] / (0.5 * loads[0]))
-    rear = -RADIUS_LOAD * moved
-    change = np.column_stack([front, -front, rear, -rear])
-    log = drive(speed, curvature=curvature, radius_change=change, noise=Noise(), seed=3)
-    return fed(Methods(told), log, told).lateral
+    return fed(Methods(told), drive(speed, curvature=curvature, noise=Noise(), seed=3), told).lateral
 
 
 def test_moved_load_is_no_change_of_radius() -> None:
@@ -111,7 +102,7 @@ def test_a_dead_wheel_is_told_from_one_that_stands_beside_spinning_ones() -> Non
 
 
 def test_a_load_on_one_side_shifts_both_axles_as_its_moment_says() -> None:
-    """45 kg m: half of g M y / track moves from wheel to wheel of each axle, up on one side, down on the other."""
+    """SIDE_MOMENT: half of g M y / track moves from wheel to wheel of each axle, up on one side, down on the other."""
     each = SIDE_MOMENT * GRAVITY / TRACK / 2.0
     assert side_shift(True) ** 2 - side_shift(False) ** 2 == pytest.approx((2.0 * RADIUS_LOAD * each) ** 2)
     assert side_shift(False) == pytest.approx(side_shift(True) * WIND_MOMENT / np.hypot(SIDE_MOMENT, WIND_MOMENT))
