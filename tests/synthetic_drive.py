@@ -1,7 +1,8 @@
 """Closed-form drives for the estimator tests: a rigid car rolls along a path with chosen radii, slip and noise.
 
 Wheel i turns at w_i = v_i (1 + slip_i) / r_i, with v_i the speed of its contact point along its own plane (Ackermann
-angles, no side slip at the rear), slip of the driven wheels mu / k. Tyres at nominal pressure. No dynamics: the path is
+angles, no side slip at the rear), slip of the driven wheels mu / k. In a curve load moves: radii and slip of the
+lighter wheels grow. Tyres at nominal pressure. No dynamics: the path is
 given.
 """
 
@@ -17,6 +18,7 @@ from estimators.car import AIR_DENSITY, GRAVITY, Car
 from estimators.drive_log import WHEELS, DriveLog, Signal
 from estimators.quarter_car.quarter_car import QuarterCar, quarter_masses, ride
 from estimators.quarter_car.road_shape import class_spectrum, synthesised
+from estimators.wheel_radius.curve import BODY_ROLL, INNER_SLIP, RADIUS_LOAD
 from estimators.wheel_radius.traction import axle_loads
 
 RATE = 100.0  # Hz
@@ -62,12 +64,15 @@ def drive(
     force = np.where(speed > 0.0, force, 0.0)
     slip = _slip(car, force, acceleration, compliance)
     radii = car.rolling_radius * (1.0 + np.broadcast_to(np.asarray(radius_change), (len(speed), 4)))
-    omega = contact_speeds(car, speed, curvature) * (1.0 + slip) / radii
+    lighter = _lighter(car, speed * yaw_rate)
+    loads = np.repeat(np.array(axle_loads(car, 0.0)) / 2.0, 2)
+    slip += INNER_SLIP / compliance_column(compliance) * slip * lighter / loads
+    omega = contact_speeds(car, speed, curvature) * (1.0 + slip) / (radii * np.exp(-RADIUS_LOAD * lighter))
     moving = (speed > 0.0)[:, None]
     omega = omega + noise.omega * rng.standard_normal(omega.shape) * moving
     gyro = np.zeros((len(speed), 3))
     gyro[:, 2] = yaw_rate + noise.gyro_offset + noise.gyro * rng.standard_normal(len(speed))
-    accel = np.column_stack([acceleration, speed * yaw_rate, np.full(len(speed), 9.81)])
+    accel = np.column_stack([acceleration, speed * yaw_rate / BODY_ROLL, np.full(len(speed), 9.81)])
     driven_inertia = 2.0 * (car.front_wheel_inertia + car.rear_wheel_inertia) * acceleration / car.rolling_radius
     torque = force * car.rolling_radius + driven_inertia + noise.torque * rng.standard_normal(len(speed))
     signals = {f"wheel/{wheel}/speed": Signal(time, omega[:, i], "rad/s") for i, wheel in enumerate(WHEELS)}
@@ -147,6 +152,18 @@ def _slip(car: Car, force: NDArray, acceleration: NDArray, compliance: NDArray |
         ground = 0.5 * force + other if driven else -inertia_force
         slip[:, 2 * axle : 2 * axle + 2] = (compliance * ground / (0.5 * loads[axle]))[:, None]
     return slip
+
+
+def compliance_column(compliance: NDArray | float) -> NDArray[np.float64]:
+    """1/k of a drive as a number or (n, 1)."""
+    return np.asarray(compliance, float)[..., None] if np.ndim(compliance) else np.asarray(compliance, float)
+
+
+def _lighter(car: Car, lateral: NDArray) -> NDArray[np.float64]:
+    """Load [N] that a lateral acceleration (n,) [m/s^2] takes off each wheel, (n, 4): off the left ones in a left turn,
+    on both axles alike."""
+    moved = car.mass * lateral * car.cg_height / (car.front_track + car.rear_track)
+    return moved[:, None] * np.array([1.0, -1.0, 1.0, -1.0])
 
 
 def varied_speed(seconds: float, mean: float = 20.0, swing: float = 5.0, period: float = 40.0) -> NDArray[np.float64]:

@@ -320,4 +320,4 @@ def test_declared_modes_are_those_of_the_linearised_car():
 def test_too_few_lines_give_no_frequency():
     from estimators.vibration.spectrum import Spectrum
 
-    assert ModeFrequency(ANTIPHASE).fitted(Spectrum(), None) is None
+    assert ModeFrequency(ANTIPHASE, 0.36).fitted(Spectrum(), None) is None

@@ -15,7 +15,7 @@ from estimators.wheel_radius.grip import DRIFT, THRESHOLD, designed
 from estimators.wheel_radius.lateral import DELTA_STD, FRONT, OFFSET_STD
 from estimators.wheel_radius.longitudinal import COMPLIANCE_STD, Longitudinal
 from estimators.wheel_radius.motion import CHANNELS, MotionTracker
-from estimators.wheel_radius.payload import Payload, radius_shift
+from estimators.wheel_radius.payload import Payload, radius_shift, side_shift
 from estimators.wheel_radius.residuals import NAMES, Methods, Residuals
 from tests.synthetic_drive import QUIET, Noise, drive, last, varied_speed
 
@@ -95,14 +95,17 @@ def test_ten_minutes_of_standstill_learn_the_gyro_offset_and_let_the_radii_fade(
     assert (faded[2:] <= DELTA_STD * (1.0 + 1e-9)).all()
 
 
-def test_a_standstill_after_the_calibration_makes_front_against_rear_less_sure_and_nothing_else() -> None:
+def test_a_standstill_after_the_calibration_makes_what_a_load_moves_less_sure_and_nothing_else() -> None:
     covariance = np.diag(np.full(5, 1e-8))
     calibration = Calibration()
     before = Residuals(np.zeros(5), covariance, np.full(5, 1e3), (2000.0, 30.0), 0)
     calibration.learn(before)
     same = calibration.change(before)[1]
     stood = calibration.change(Residuals(np.zeros(5), covariance, np.full(5, 1e3), (2000.0, 250.0), 1))[1]
-    assert stood[:3, :3] == pytest.approx(same[:3, :3])
+    assert stood[0, :3] == pytest.approx(same[0, :3])
+    aside = stood[1:3, 1:3] - same[1:3, 1:3]  # what may lie on one side: both axles alike
+    assert aside == pytest.approx(np.full((2, 2), side_shift(True) ** 2 - side_shift(False) ** 2))
+    assert stood[1, 1] < 0.3 * stood[3, 3]
     assert (np.diag(stood)[3:] > 5.0 * np.diag(same)[3:]).all()
     assert stood[3, 4] > 0.9 * stood[3, 3]  # both sides alike: a load, not a tyre
 

@@ -16,7 +16,7 @@ LEVEL_STD = 5.0  # of ln PSD: any road
 WHITE_STD = 3.0
 WHITE_BELOW = 4.0  # ln by which a white floor is expected below the band's average
 TIMER_STD = 1e-6 / math.sqrt(12.0)  # s, of an edge time: rounding to 1 us
-TIMER_LN_STD = 1.5  # of its variance's ln: other timers, the sensor's own jitter
+TIMER_LN_STD = 3.0  # of its variance's ln: other timers, the sensor's own jitter, or next to none of it
 NOISE_BAND = (135.0, 165.0)  # Hz: there is no mode
 STANDS_OUT = 4.0  # std of the noise's own mean over the mode's width: below, the mode may be a bump of the noise
 LEAST_LINES = 15  # with a count, for seven parameters
@@ -36,10 +36,10 @@ class Fitted:
 
 
 class ModeFrequency:
-    """Fits spectra of one mode; fixed."""
+    """Fits spectra of one mode; fixed. radius: rolling radius [m]."""
 
-    def __init__(self, mode: Mode) -> None:
-        self.mode = mode
+    def __init__(self, mode: Mode, radius: float) -> None:
+        self.mode, self._radius = mode, radius
         inside = (mode.band[0] <= LINES) & (mode.band[1] >= LINES)
         self._lines = np.flatnonzero(inside | ((NOISE_BAND[0] <= LINES) & (NOISE_BAND[1] >= LINES)))
         self._within = inside[self._lines].astype(float)
@@ -52,7 +52,12 @@ class ModeFrequency:
         if heard.sum() < LEAST_LINES or self._f[heard][-1] < self.mode.highest_needed:
             return None
         power = spectrum.power[self._lines] / np.where(seen, count, 1.0)
-        mean, precision = self._prior(float(power[heard].mean()), spectrum.timing / spectrum.segments)
+        mean = self._prior(
+            float(power[heard].mean()),
+            spectrum.timing / spectrum.segments,
+            self._radius * spectrum.omega / spectrum.segments,
+        )
+        precision = precisions(self.mode)
         p = mean.copy() if start is None else start.copy()
         information = np.empty((SIZE, SIZE))
         fit(
@@ -80,22 +85,18 @@ class ModeFrequency:
         gained = max(1.0 / variance - precision[FREQUENCY], 0.0)
         return Fitted(float(at[0]), math.sqrt(variance), gained, math.exp(p[DAMPING]), float(one[0]) / noise, p)
 
-    def _prior(self, level: float, timing: float) -> tuple[NDArray, NDArray]:
-        """Means and precisions; of an average PSD `level`, timing noise per s^2 of edge time variance."""
+    def _prior(self, level: float, timing: float, speed: float) -> NDArray:
+        """Means (7,); of an average PSD `level`, timing noise per s^2 of edge time variance, speed [m/s]."""
         m = self.mode
         timer = math.log(max(timing * TIMER_STD**2, 1e-300))
-        mean = np.array(
+        return np.array(
             [
                 math.log(m.frequency), math.log(m.damping), math.log(max(level, 1e-300) * 4.0 * m.damping**2),
-                m.slope[0], m.bend[0], math.log(max(level, 1e-300)) - WHITE_BELOW, timer,
+                m.slope[0] + m.patch_slope(speed), m.bend[0], math.log(max(level, 1e-300)) - WHITE_BELOW, timer,
             ]
         )  # fmt: skip
-        return mean, self.precisions()
 
-    def precisions(self) -> NDArray[np.float64]:
-        """Of the priors, shape (7,)."""
-        m = self.mode
-        return (
-            np.array([m.frequency_std, m.damping_std, LEVEL_STD, m.slope[1], m.bend[1], WHITE_STD, TIMER_LN_STD])
-            ** -2.0
-        )
+
+def precisions(m: Mode) -> NDArray[np.float64]:
+    """Of the priors, shape (7,)."""
+    return np.array([m.frequency_std, m.damping_std, LEVEL_STD, m.slope[1], m.bend[1], WHITE_STD, TIMER_LN_STD]) ** -2.0

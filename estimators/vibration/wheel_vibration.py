@@ -57,9 +57,9 @@ class Reading:
 class _Listener:
     """One mode of one wheel: its memory and its open block."""
 
-    def __init__(self, wheel: str, mode: Mode) -> None:
+    def __init__(self, wheel: str, mode: Mode, radius: float) -> None:
         self.wheel, self.mode = wheel, mode
-        self.fit = ModeFrequency(mode)
+        self.fit = ModeFrequency(mode, radius)
         self.memory, self.block = Spectrum(), Spectrum()
         self.start: NDArray | None = None
         self.begun = 0.0
@@ -107,7 +107,7 @@ class WheelVibration:
 
     def __init__(self, wheel: str, radius: float, modes: tuple[Mode, ...] = MODES) -> None:
         self._radius = radius
-        self._listeners = [_Listener(wheel, mode) for mode in modes]
+        self._listeners = [_Listener(wheel, mode, radius) for mode in modes]
         self._speed, self._first = np.empty(0), 0
 
     def forget(self) -> None:

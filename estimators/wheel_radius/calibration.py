@@ -16,11 +16,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from estimators.wheel_radius.payload import SPREAD, radius_shift
+from estimators.wheel_radius.payload import SPREAD, radius_shift, side_shift
 from estimators.wheel_radius.residuals import MIXING, NAMES, Residuals
 
 LEARNING_TIME = np.array([120.0, 120.0, 120.0, 60.0, 60.0])  # [s] of usable driving, at least, of the five residuals
 ENOUGH = np.array([2e-4, 3e-4, 3e-4, 6e-4, 6e-4])  # std at which learning may stop
+ACROSS = slice(1, 3)  # delta12 and delta34
 FRONT_REAR = slice(3, 5)  # delta13 and delta24, which a load moves
 MASS = "mass"  # of the loaded car [kg], beside the residuals in a document
 TYRE_SPREAD = 3e-3  # std of one tyre's radius against nominal: two differ by 0.3-0.6 %
@@ -48,11 +49,12 @@ class Calibration:
 
     def change(self, residuals: Residuals) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Residuals less their reference (5,), and its covariance (5, 5): of the residuals, of the reference, and of a
-        change of the load since, of which the likeliest effect is taken off."""
+        change of the load since, of which the likeliest effect is taken off, and of load and wind from the side."""
         change, covariance = residuals.value - self.level, residuals.covariance + self.covariance()
         shift, std = self._load(residuals)
         change[FRONT_REAR] -= shift
         covariance[FRONT_REAR, FRONT_REAR] += std**2
+        covariance[ACROSS, ACROSS] += side_shift(self._stops != residuals.stops) ** 2
         return change, covariance
 
     def _load(self, residuals: Residuals) -> tuple[float, float]:

@@ -1,18 +1,23 @@
-"""Left against right wheel of each axle by yaw rate (Persson et al. 2002), their five states and two more, ISO signs.
+"""Left against right wheel of each axle by yaw rate (Persson et al. 2002), their five states and four more, ISO signs.
 
-x = (yaw rate [rad/s], yaw acceleration [rad/s^2], gyro offset [rad/s], delta34, delta12 [-], unlike34, unlike12 [-]),
+x = (yaw rate [rad/s], yaw acceleration [rad/s^2], gyro offset [rad/s], delta34, delta12, unlike34, unlike12, track
+error rear, front [-]),
 delta34 = r3/r4 - 1 (rear), delta12 = r1/r2 - 1 (front), wheels fl fr rl rr = 1 2 3 4. A left turn is positive:
     gyro                            = yaw + offset
     R (w4 - w3) / t_r               = yaw + (R w3 / t_r) (delta34 - pull_r unlike34)
     R (w2 - w1) / (t_f cos d)       = yaw + (R w1 / (t_f cos d)) (delta12 - pull_f unlike12)
 The paper writes both wheel lines with the opposite yaw (SAE axes), without cos d and without slip: `unlike` is the 1/k
-of the left wheel less the right one's, since a tyre that has lost pressure also slips less under the same pull. Only
-the yaw acceleration is driven.
+of the left wheel less the right one's, since a tyre that has lost pressure also slips less under the same pull. `track
+error` e is how much larger a track is than told, less the gyro's error of scale: yaw becomes (1 + e) yaw, which in
+curves looks like a delta that turns with them. Only the yaw acceleration is driven.
+
+What moved load does in a curve is taken off first (`curve`). In a long one it moved both deltas by as much as 20 % of
+pressure, one side alike, and at a hard pull by as much the other way.
 
 At constant speed one rank short: an offset looks like both deltas. They part when the speed changes or while the car
 stands (yaw = 0: the gyro reads its offset). So the speed enters the information through an anchor, the pull too, and
 the covariance stays within the prior (`bounded_filter`). Without a gyro, lateral acceleration over speed stands in; its
-offset [m/s^2] is the third state then. Left out: load transfer (strong curves are not read), bank.
+offset [m/s^2] is the third state then. Left out: bank for the yaw rate of that stand-in.
 """
 
 from __future__ import annotations
@@ -28,6 +33,8 @@ from estimators.wheel_radius.noise import NoiseLevel
 DELTA_STD = 5e-3  # equal tyres differ by 0.3-0.6 %
 DRIFT = 1e-4  # [1/sqrt(s)] of a delta: a step of 0.25 % is followed within a minute
 UNLIKE_STD, UNLIKE_DRIFT = 2.5e-3, 2e-4  # [-], [1/sqrt(s)]: a low tyre's 1/k is a tenth smaller
+TRACK_STD = 0.06  # [-] of a track and a gyro's scale
+TURN_EXCITATION = 2e-3  # [1/m] of curvature from which it tells a track from a radius; below, 6 % is 2e-4 of radius
 PULL_EXCITATION = 0.02  # [-] by which the pull must move to tell slip from radius
 SMOOTHING = 10.0  # cells over which the pull is averaged before
 OFFSET_STD = (0.005, 0.1)  # gyro [rad/s], lateral accelerometer standing in for it [m/s^2] (bank, mounting)
@@ -41,9 +48,10 @@ EXCITATION = 0.02  # relative change of speed that parts offset and radius
 STANDSTILL_NOISE = 1e-4  # [rad/s] of a yaw rate that is zero
 LONGEST_STEP = 0.25  # [s]; after a longer gap the yaw motion is unknown
 SPEED_ERROR = 0.1  # [rad/s] of a cell's wheel speed before it is measured
-STATES = 7
+STATES = 9
 REAR, FRONT = 3, 4  # states of the deltas; those of unlike slip stand UNLIKE behind
 UNLIKE = 2
+TRACK = 4  # behind the deltas: relative error of the track that is told, less the gyro's of scale
 
 
 class Lateral:
@@ -59,8 +67,8 @@ class Lateral:
         unlike = 0.0 if self._drift == 0.0 else UNLIKE_DRIFT
         self._filter = BoundedFilter(
             [0.0] * STATES,
-            [*YAW_STD, OFFSET_STD[stand_in], DELTA_STD, DELTA_STD, UNLIKE_STD, UNLIKE_STD],
-            [0.0, 0.0, OFFSET_DRIFT[stand_in], self._drift, self._drift, unlike, unlike],
+            [*YAW_STD, OFFSET_STD[stand_in], DELTA_STD, DELTA_STD, UNLIKE_STD, UNLIKE_STD, TRACK_STD, TRACK_STD],
+            [0.0, 0.0, OFFSET_DRIFT[stand_in], self._drift, self._drift, unlike, unlike, 0.0, 0.0],
         )
         self._noise = PairNoise(self._car, GYRO_NOISE[stand_in] * (0.1 if stand_in else 1.0))
         self._still = NoiseLevel(GYRO_NOISE[stand_in] ** 2)
@@ -95,14 +103,18 @@ class Lateral:
     def _read_wheels(self, motion: Motion, gyro_row: NDArray[np.float64]) -> None:
         """Update with gyro, rear and front axle, each as noisy as it was measured to be."""
         anchored = self._anchor.follow(motion.speed, EXCITATION * motion.speed)
+        yaw = motion.gyro - motion.gyro_gain * float(self._filter.state[2])
+        turn = yaw if abs(yaw) > TURN_EXCITATION * motion.speed else 0.0
         measured, rows, gains = [motion.gyro], [gyro_row], [gyro_row]
         for state in (REAR, FRONT):
             pull = float(motion.pull[0 if state == FRONT else 1])
             value, row = wheel_line(self._car, state, motion.omega, motion.cos_steer, pull)
+            row[state + TRACK] = yaw
             gain = row.copy()
+            gain[state + TRACK] = turn
             gain[state] = anchored / axle_track(self._car, state, motion.cos_steer)
             gain[state + UNLIKE] = -gain[state] * self._pulls[state].follow(pull, PULL_EXCITATION)
-            measured.append(value)
+            measured.append(value - float(motion.curve[0 if state == FRONT else 1]) * row[state])
             rows.append(row)
             gains.append(gain)
         variances = self._noise.variances()
@@ -121,6 +133,10 @@ class Lateral:
     def offset(self) -> tuple[float, float]:
         """(offset, std) of the gyro [rad/s], or of the accelerometer standing in for it [m/s^2]."""
         return float(self._filter.state[2]), float(self._filter.std[2])
+
+    def track_errors(self) -> tuple[float, float]:
+        """How much larger the rear and the front track are than told [-], as the gyro scales them."""
+        return float(self._filter.state[REAR + TRACK]), float(self._filter.state[FRONT + TRACK])
 
     def delta_covariance(self) -> NDArray[np.float64]:
         """Of (delta12, delta34), shape (2, 2)."""

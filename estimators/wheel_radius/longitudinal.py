@@ -46,6 +46,7 @@ class Longitudinal:
         front, rear = side, side + 2
         self._driven, self._free = (rear, front) if driven_axle == "rear" else (front, rear)
         self._sign = -1.0 if driven_axle == "rear" else 1.0
+        self._in_curve = 0.5 * self._sign * (1.0 if side == 0 else -1.0)
         mean, std = (0.0, SHARED_STD) if driven_axle == "all" else (COMPLIANCE, COMPLIANCE_STD)
         self._filter = BoundedFilter([mean, 0.0], [std, DELTA_STD], [COMPLIANCE_DRIFT, drift])
         self._anchor = Anchor()
@@ -70,6 +71,7 @@ class Longitudinal:
                 motion.omega[self._driven] / motion.roll[self._driven]
                 / (motion.omega[self._free] / motion.roll[self._free])
             ) - 1.0  # fmt: skip
+            slip -= self._in_curve * float(motion.curve[1] - motion.curve[0])
             if not np.isnan(slip):
                 self._block.append((slip, motion.traction))
                 self._speed = float(motion.omega[self._free])

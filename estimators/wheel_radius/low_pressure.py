@@ -91,11 +91,14 @@ class LowPressureAlarm:
         self._monitor = Monitor(alarm_detector(), "clear")
         self._announced: frozenset[tuple[int, ...]] = frozenset()
         self._last_loss = -np.inf
+        self.statistic = 0.0
+        """Where the detector stands."""
 
     def step(self, time: float, contrasts: NDArray[np.float64], covariance: NDArray[np.float64]) -> Alarm | None:
         """An alarm if one is due at `time` [s]."""
         loss = likeliest_loss(contrasts, covariance)
-        significant = self._monitor.step(loss.significance).alarm
+        reading = self._monitor.step(loss.significance)
+        self.statistic, significant = reading.statistic, reading.alarm
         if not (significant and -loss.change > self.level):
             self._candidates = frozenset()
             if time - self._last_loss > RELEASE:

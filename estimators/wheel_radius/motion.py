@@ -11,18 +11,21 @@ radius' own dependence on load and speed, which is why hard driving is not read.
 
 Reversing: speeds that have a sign are below 0 then and not read; without one the wheels turn the other way round than
 the gyro says, and a cell in which the two contradict each other is not read. A wheel that is dead is NaN, or stands
-while the others roll; what its neighbours tell is still read.
+while both its neighbours roll; what they tell is still read. While a wheel spins or locks or the car slides, and a
+second after, nothing is: setting off on ice both driven wheels spin, unlike by metres a second, beside two that hardly
+roll; sliding through a curve at full lock, the wheels' speeds differ by the cosines of their slip angles.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
 from estimators.car import Car
 from estimators.grid import Channel
+from estimators.wheel_radius.curve import curve_shift
 from estimators.wheel_radius.traction import axle_pull, drive_force, net_force, traction
 
 STUCK = 3.0  # [s]; a moving wheel's speed is never the same for so long, in steps of 0.01 to 0.04 km/h
@@ -43,7 +46,11 @@ MAX_YAW_DOUBT, MAX_SIDE = (
     0.05,
     0.01,
 )  # [rad/s], [-] of radius by which the rear wheels' yaw rate may differ from the gyro's
-DEAD_SHARE = 0.3  # of the others' speed below which a wheel does not roll
+SPINNING = 0.3  # slip of a side from which a wheel spins or locks
+MAX_SIDE_SLIP = 0.04  # [rad] by which the path may leave the steered one; up to 0.02 on roads, 0.6 in a slide on ice
+RECOVERY = 10  # cells with less than MAX_SLIP on both sides after it until radii are read again
+DEAD_SHARE = 0.3  # of both its neighbours' speed below which a wheel does not roll
+NEIGHBOURS = ((1, 2), (0, 3), (3, 0), (2, 1))  # of each wheel: across the car, along it
 STANDSTILL_CELLS = 10  # with every wheel at rest before the car counts as standing
 STANDSTILL_OMEGA = 0.02  # [rad/s]
 
@@ -57,7 +64,7 @@ class Motion:
     pull: (2,) force over load of the front and rear axle [-], 0 where unknown; force: of the drive, less what spins up
     the wheels and the air drag [N], NaN while braking or without a torque signal; specific: along the car [m/s^2], NaN
     if none; readable: radii may be read from this cell, of the wheels whose omega is a number; standing: all wheels
-    have been at rest for a second.
+    have been at rest for a second. curve: what a curve adds to r_left / r_right - 1 of front and rear axle (2,) [-].
     """
 
     index: int
@@ -75,6 +82,7 @@ class Motion:
     specific: float
     readable: bool
     standing: bool
+    curve: NDArray[np.float64] = field(default_factory=lambda: np.zeros(2))
 
 
 class MotionTracker:
@@ -83,7 +91,7 @@ class MotionTracker:
     def __init__(self, car: Car, step: float) -> None:
         self._car, self._step = car, step
         self._last: tuple[int, float] | None = None
-        self._standing_cells = 0
+        self._standing_cells = self._recovering = 0
         self.dead = np.zeros(4, dtype=bool)
         self.torque_seen = False
         self.gyro_seen = False
@@ -104,19 +112,27 @@ class MotionTracker:
             gyro = accel_y * gain
         wheel_yaw = float(omega[3] - omega[2]) * car.rolling_radius / car.rear_track
         yaw_rate = wheel_yaw if np.isnan(gyro) else gyro
-        steer = wheel_angle / car.steering_ratio
+        steer, path = wheel_angle / car.steering_ratio, car.wheelbase * yaw_rate / speed if moving else 0.0
         if np.isnan(steer):
-            steer = car.wheelbase * yaw_rate / speed if moving else 0.0
+            steer = path
         doubt = MAX_YAW_DOUBT + MAX_SIDE * speed / car.rear_track
+        slips = _slips(omega)
+        most = float(np.abs(slips).max()) if len(slips) else 0.0
+        slides = most > SPINNING or (moving and abs(steer - path) > MAX_SIDE_SLIP)
+        slides |= self._recovering > 0 and most > MAX_SLIP
+        self._recovering = RECOVERY if slides else max(self._recovering - 1, 0)
         readable = bool(
             moving
-            and not abs(_ratio(omega) - 1.0) > MAX_SLIP
+            and not (len(slips) and abs(float(slips.mean())) > MAX_SLIP)
+            and self._recovering == 0
             and abs(speed * yaw_rate) < MAX_LATERAL
             and not abs(wheel_yaw - yaw_rate) > doubt
             and not abs(acceleration) > MAX_LONGITUDINAL
         )
         self._standing_cells = self._standing_cells + 1 if bool((np.abs(cell[:4]) < STANDSTILL_OMEGA).all()) else 0
+        lateral = speed * yaw_rate if np.isnan(accel_y) else accel_y
         force = drive_force(car, speed, acceleration, accel_x, torque if self.torque_seen else None)
+        pull = axle_pull(car, force, speed, acceleration, accel_x)
         return Motion(
             index=index,
             time=time,
@@ -128,21 +144,21 @@ class MotionTracker:
             gyro_gain=gain,
             stand_in=not self.gyro_seen,
             traction=traction(car, force, acceleration),
-            pull=axle_pull(car, force, speed, acceleration, accel_x),
+            pull=pull,
             force=net_force(car, force, speed, acceleration) if self.torque_seen else float("nan"),
             specific=accel_x,
             readable=readable,
             standing=self._standing_cells >= STANDSTILL_CELLS,
+            curve=curve_shift(car, lateral if moving and not np.isnan(lateral) else 0.0, pull),
         )
 
     def _without_dead(self, omega: NDArray[np.float64]) -> None:
-        """Wheels that stand while others roll become NaN, and are remembered in `dead`."""
-        known = omega[np.isfinite(omega)]
-        fastest = float(np.median(known)) if len(known) > 1 else 0.0
-        if fastest * self._car.rolling_radius > MIN_SPEED:
-            dead = np.abs(omega) < DEAD_SHARE * fastest
-            self.dead |= dead
-            omega[dead] = np.nan
+        """Wheels that stand while both their neighbours roll become NaN, and are remembered in `dead`. Beside a wheel
+        that spins its neighbours are slow too."""
+        slowest = np.array([_slowest(omega[list(wheels)]) for wheels in NEIGHBOURS])
+        dead = (slowest * self._car.rolling_radius > MIN_SPEED) & (np.abs(omega) < DEAD_SHARE * slowest)
+        self.dead |= dead
+        omega[dead] = np.nan
 
     def _speed(self, omega: NDArray[np.float64]) -> float:
         """Of the wheels that roll freely, of all where none of those is known [m/s]."""
@@ -160,11 +176,17 @@ class MotionTracker:
         return (speed - last[1]) / ((index - last[0]) * self._step)
 
 
-def _ratio(omega: NDArray[np.float64]) -> float:
-    """Front over rear wheels [-], of the sides that are known; NaN if none is."""
-    sides = omega[:2] / omega[2:]
-    known = sides[np.isfinite(sides)]
-    return float(known.mean()) if len(known) else float("nan")
+def _slowest(omega: NDArray[np.float64]) -> float:
+    """Of those wheels that are known [rad/s]; 0 if none is."""
+    known = np.abs(omega[np.isfinite(omega)])
+    return float(known.min()) if len(known) else 0.0
+
+
+def _slips(omega: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Front over rear wheel, less one [-], of the sides that are known."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        sides = omega[:2] / omega[2:] - 1.0
+    return sides[~np.isnan(sides)]
 
 
 def rolling_ratios(car: Car, curvature: float, steer: float) -> NDArray[np.float64]:

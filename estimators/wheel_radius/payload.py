@@ -6,9 +6,10 @@ told: the mass, from the force that it takes (state m [kg], b [N]; f_x specific 
     force - drag - spin-up = m f_x + b,     b: rolling resistance and the accelerometer's bias
 What cannot: where the payload lies. With share s of it on the rear axle, believed REAR_SHARE +- REAR_SHARE_STD, mass
 change M moves ln(r_rear / r_front) by RADIUS_LOAD g M (2 s - 1) / 2 on both sides alike. That mean is taken off, the
-rest is part of delta13's and delta24's covariance, fully correlated. Left/right and diagonal comparisons keep their
-sharpness (a payload that lies on one side is left out). Without torque or acceleration the mass stays at its prior, and
-front against rear is worth little after every stop.
+rest is part of delta13's and delta24's covariance, fully correlated. What lies on one side, of moment SIDE_MOMENT, and
+at any time a side wind's moment move delta12 and delta34 alike, by RADIUS_LOAD g / track each kg m. The diagonal
+comparison keeps its sharpness. Without torque or acceleration the mass stays at its prior, and front against rear is
+worth little after every stop.
 """
 
 from __future__ import annotations
@@ -17,14 +18,15 @@ import numpy as np
 
 from estimators.car import GRAVITY, Car
 from estimators.wheel_radius.bounded_filter import Anchor, BoundedFilter
+from estimators.wheel_radius.curve import RADIUS_LOAD
 from estimators.wheel_radius.motion import Motion
 from estimators.wheel_radius.noise import NoiseLevel
 
-RADIUS_LOAD = (
-    -1.1e-6
-)  # d ln(rolling radius) / d load [1/N]: published Magic Formula sets, and 0.5 mm per kN of real tyres
 REAR_SHARE, REAR_SHARE_STD = 0.72, 0.25  # between the front seats and behind the rear axle
 USUAL, SPREAD = 150.0, 250.0  # [kg] of people and luggage over the car's own mass, and its std
+SIDE_MOMENT = 20.0  # [kg m], std of load times its place across the car: one passenger more or less is 28
+WIND_MOMENT = 15.0  # [kg m] whose weight rolls the car as a side wind does
+TRACK = 1.6  # [m]
 LOADING_TIME = 10.0  # [s] of standing in which somebody may get in
 CHANGE = 120.0  # [kg], std of what a stop changes
 RESISTANCE, RESISTANCE_STD = 230.0, 200.0  # [N] of b
@@ -82,6 +84,12 @@ class Payload:
         """(mass, std) of the loaded car [kg]."""
         mass = float(self._filter.state[0])
         return mass, float(np.hypot(self._filter.std[0], MODEL_ERROR * mass))
+
+
+def side_shift(reloaded: bool) -> float:
+    """Std of what load and wind from the side do to delta12 and delta34 alike since they were learnt [-]."""
+    moment = float(np.hypot(SIDE_MOMENT if reloaded else 0.0, WIND_MOMENT))
+    return abs(RADIUS_LOAD) * GRAVITY * moment / TRACK
 
 
 def radius_shift(mass_change: float, std: float) -> tuple[float, float]:

@@ -76,6 +76,7 @@ class StaticResidual:
             form = (
                 corrected_residual(motion.omega, motion.roll) if self._corrected else published_residual(motion.omega)
             )
+            form -= float(motion.curve[1] - motion.curve[0]) if self._corrected else 0.0
             self._block.append((form, float(motion.pull[0]), float(motion.pull[1])))
         if place == BLOCK - 1:
             self._finish()

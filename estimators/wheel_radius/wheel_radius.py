@@ -19,7 +19,7 @@ What it cannot see: equal loss in all four; a payload or a tyre change looks lik
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -27,7 +27,7 @@ import numpy as np
 from estimators.car import Car
 from estimators.drive_log import WHEELS, Signal
 from estimators.estimator import Alarm, Estimate, Estimator, Flag, Outputs
-from estimators.grid import Grid
+from estimators.grid import Cells, Grid
 from estimators.wheel_radius.calibration import Calibration
 from estimators.wheel_radius.low_pressure import LowPressureAlarm
 from estimators.wheel_radius.motion import CHANNELS, MotionTracker
@@ -62,6 +62,8 @@ class WheelRadius(Estimator):
         self._warned: set[str] = set()
         self._unheard = set(self.requires)
         self._reach = OutOfReach(car)
+        self.alarm_statistics: list[float] = []
+        """What the alarm's detector has been at, once a second, since alarms may be given."""
 
     def use_calibration(self, document: Mapping[str, Any]) -> None:
         """Start calibrated; a residual that the document lacks is still learnt."""
@@ -83,7 +85,13 @@ class WheelRadius(Estimator):
         flags = self._grid.add(samples)
         self._unheard -= {name for name in self.requires if name in samples and len(samples[name])}
         cells, more = self._grid.close(until)
-        flags += more
+        return self.judge(cells, [*flags, *more])
+
+    def judge(self, cells: Cells, flags: Sequence[Flag] = ()) -> Outputs:
+        """The same from cells of STEP that were made before; flags: raised in making them."""
+        flags = list(flags)
+        heard = np.isfinite(cells.value[:, : len(self.requires)]).any(axis=0)
+        self._unheard -= {name for name, any_ in zip(self.requires, heard.tolist(), strict=True) if any_}
         rows: list[Row] = []
         alarms: list[Alarm] = []
         for index, centre, cell in zip(cells.index.tolist(), cells.centre.tolist(), cells.value, strict=True):
@@ -151,8 +159,10 @@ class WheelRadius(Estimator):
             text = f"flat tyre, or its wheel-speed sensor: {100 * off:.1f} % faster than the others"
             alarms.append(Alarm(time, text, (wheel,)))
         settled = reference.done.any() and not self._reach.any and now.seconds[0] >= SETTLING_TIME
-        if settled and (alarm := self._alarm.step(time, contrasts, spread)):
-            alarms.append(alarm)
+        if settled:
+            if alarm := self._alarm.step(time, contrasts, spread):
+                alarms.append(alarm)
+            self.alarm_statistics.append(self._alarm.statistic)
         return said
 
     def _side_estimates(self, seconds: np.ndarray) -> dict[str, tuple[float, float, str]]:

@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from estimators.vibration.mode_frequency import NOISE_BAND, ModeFrequency
+from estimators.vibration.mode_frequency import NOISE_BAND, precisions
 from estimators.vibration.modes import Mode
 from estimators.vibration.spectral_fit import FREQUENCY, SIZE, density
 from estimators.wheel_speed.resampling import USABLE, droop
@@ -28,5 +28,5 @@ def frequency_bound(mode: Mode, parameters: NDArray[np.float64], seconds: float,
     slopes = np.empty((len(f), SIZE))
     white = droop(f, tooth_rate) ** -2.0
     density(parameters, mode.frequency, f, within, white, np.empty(len(f)), np.empty(len(f)), slopes)
-    information = seconds * STEP * slopes.T @ slopes + np.diag(ModeFrequency(mode).precisions())
+    information = seconds * STEP * slopes.T @ slopes + np.diag(precisions(mode))
     return float(np.exp(parameters[FREQUENCY]) * np.sqrt(np.linalg.inv(information)[FREQUENCY, FREQUENCY]))

@@ -25,9 +25,16 @@ def _words(rows: Sequence[Row], kind: str, mode: str, method: str) -> NDArray[np
 
 
 def biases(rows: Sequence[Row], mode: str, method: str) -> dict[str, Interval]:
-    """By truth and share of noise [Hz], of the process the shape in which the bias is largest. Repetitions are
+    """By truth and share of noise [Hz], of the process the shape in which the bias is largest."""
+    every = cells(rows, mode, method)
+    return {name: max(of.values(), key=lambda b: abs(b.value)) for name, of in every.items()}
+
+
+def cells(rows: Sequence[Row], mode: str, method: str) -> dict[str, dict[float, Interval]]:
+    """By truth and share of noise, then by the shape's speed [km/h] (the car's), the bias [Hz]. Repetitions are
     independent; the mean of their wheels or records is one sample. Without an answer a record is left out."""
-    found: dict[str, Interval] = {}
+    found: dict[str, dict[float, Interval]] = {}
+    car = [speed for _, speed, name in PRESSURE_CELLS if name == mode]
     for kind in ("known", "pressure"):
         words = _words(rows, kind, mode, method)
         if not len(words):
@@ -38,9 +45,10 @@ def biases(rows: Sequence[Row], mode: str, method: str) -> dict[str, Interval]:
             mean = np.where(good, error, 0.0).sum(axis=3) / good.sum(axis=3)  # nan where there is no answer at all
         for i, share in enumerate(SHARES):
             columns = [column[np.isfinite(column)] for column in mean[:, :, i].T]
-            every = [mean_interval(column) for column in columns if len(column)]
+            speeds = [shape[0] for shape in KNOWN[mode][2]] if kind == "known" else car
+            every = {v: mean_interval(c) for v, c in zip(speeds, columns, strict=True) if len(c)}
             if every:
-                found[f"{kind}_{100.0 * share:g}"] = max(every, key=lambda b: abs(b.value))
+                found[f"{kind}_{100.0 * share:g}"] = every
     return found
 
 
@@ -58,6 +66,9 @@ def table(rows: Sequence[Row]) -> Iterator[StudyRow]:
                 truth, share = name.split("_")
                 what = "known_process" if truth == "known" else "car"
                 yield StudyRow.of(f"{method}_bias_hz{ending}_{what}_{share}_percent", "Hz", bias)
+                of = cells(rows, mode, method)[name] if method == "vibration" else {}
+                for speed, each in of.items() if len(of) > 1 else ():
+                    yield StudyRow.of(f"{method}_bias_hz{ending}_{what}_{share}_percent_{speed:g}_km_h", "Hz", each)
     for _, speed, mode in PRESSURE_CELLS:
         words = _words(rows, "pressure", mode, "vibration")
         if len(words):
