@@ -7,7 +7,8 @@ Spectrum of wheel speed y(t), RATE Hz, in the mode's band, frequency f [Hz]:
 f0 the natural frequency, zeta the damping, s and b slope and bend of what excites the mode (road, contact patch, other
 modes), n the timer's noise over the mode's peak; fc the band's middle. Every combination of a grid is a template; the
 gain g is maximised in closed form (g = mean of P/S), the rest is summed over with equal weights, so that what is not
-known of the road widens the result and does not bias it. With the periodogram P of a Hann-windowed block,
+known of the road widens the result and does not bias it. With P the mean of the block's spectra in TAPERS sine tapers
+(Riedel, Sidorenko, IEEE Trans. Signal Process. 43 (1995) 188), which together weigh nearly all of the block evenly,
 
     ln L = -w sum(ln S + P / (g S)),   w = INDEPENDENT of the bins
 
@@ -30,7 +31,8 @@ from estimators.wheel_speed.resampling import RATE
 
 BLOCK = 2.0  # s
 SIZE = round(RATE * BLOCK)
-INDEPENDENT = 0.51  # share of the bins of a Hann window: powers of neighbours correlate by 4/9 and 1/36
+TAPERS = 4  # half a band of (TAPERS + 1) / (2 BLOCK) = 1.25 Hz, a fifth of a mode's half-width
+INDEPENDENT = 1.0 / (1.0 + 0.5 / TAPERS)  # share of the bins: 1 / (n sum q^2), q the mean of the squared tapers
 INFORMED = 0.6  # of the grid's variance: a posterior wider than that says nothing
 LEAST_BINS = 0.5  # of the band
 
@@ -53,15 +55,16 @@ class Band:
     fastest: float
 
 
+# the axes are as fine as a block can tell them apart: with steps of 4 in slope the frequency went from one to the other
 ANTIPHASE = Band(
     "antiphase",
     60.0,
     114.0,
-    (62.0, 104.0, 0.75),
-    (0.055, 0.075, 0.1),
-    (-9, -5, -1, 3),
-    (-2, 3, 8),
-    (0, 0.1, 0.5),
+    (62.0, 104.0, 1.0),
+    (0.066, 0.078),
+    (-10, -7.5, -5, -2.5, 0, 2.5),
+    (-4, 1, 6),
+    (0, 0.015, 0.07, 0.3, 1.0),
     11.0,
     np.inf,
 )
@@ -90,7 +93,8 @@ class ModeGrid:
         self._log_f0 = np.log(f0[:, 0])
         self.frequency = f
         self._mean, self._variance = float(self._log_f0.mean()), float(self._log_f0.var())
-        self._window = np.hanning(SIZE + 1)[:SIZE]
+        turn = np.pi * np.arange(1, SIZE + 1) / (SIZE + 1)
+        self._tapers = np.sin(np.outer(np.arange(1, TAPERS + 1), turn))
 
     def fit(self, speed: NDArray[np.float64], used: NDArray[np.bool_]) -> NDArray[np.float64]:
         """speed: [rad/s], shape (wheels, SIZE); used: bins of the band that count, of `frequency`, shape (wheels,
@@ -98,7 +102,8 @@ class ModeGrid:
         level = speed - speed.mean(axis=1, keepdims=True)
         ramp = np.arange(SIZE) - 0.5 * (SIZE - 1)
         level = level - np.outer(level @ ramp / (ramp @ ramp), ramp)
-        power = np.abs(np.fft.rfft(level * self._window, axis=1)[:, self._inside]) ** 2
+        seen = np.fft.rfft(level[:, None, :] * self._tapers, axis=2)[:, :, self._inside]
+        power = np.mean(np.abs(seen) ** 2, axis=1)
         bins = used.sum(axis=1)
         usable = np.isfinite(power).all(axis=1) & (power.sum(axis=1) > 0.0) & (bins >= LEAST_BINS * used.shape[1])
         scale = np.where(usable, np.nan_to_num(power).mean(axis=1), 1.0)[:, None]

@@ -45,9 +45,13 @@ from estimators.wheel_radius.wheel_change import CONTRASTS
 
 SENSITIVITY = (0.334, 0.19)
 SOURCES = ("vibration", "radius", "fused")
-WIDER = (1.0, 0.9)  # a block's frequency varies by that times what its spectrum says
+WIDER = (1.0, 1.2)  # a block's frequency varies by that times what its spectrum says,
+SLOW, WIDER_SLOW = 12.0, 1.4  # and the antiphase one's by that below a speed [m/s], where the contact patch's gap is in it
+# of the noise of two wheels on one side, which roll over the same road, of the antiphase frequency: correlation from
+# ROAD_FROM [m/s] on, none ROAD_WITHIN below
+SAME_ROAD, ROAD_FROM, ROAD_WITHIN = 0.55, 13.0, 2.0
 # std of ln f (common to the four wheels, of each wheel) of the two modes: from day to day, from node to node of a day
-DAY, DAY_STEP = ((0.007, 0.0035), (0.036, 0.02)), ((4.5e-3, 3e-3), (0.04, 0.025))
+DAY, DAY_STEP = ((0.005, 0.002), (0.036, 0.02)), ((1.5e-3, 1e-3), (0.04, 0.025))
 WALK = ((2e-4, 8e-5), (6e-4, 3e-4))  # within a drive, per sqrt(s)
 CONTRAST_DAY = np.array([2.5e-3, 4e-3, 3e-3])
 CONTRAST_WALK = np.array([5e-6, 6e-6, 4e-6])  # per sqrt(s)
@@ -80,13 +84,23 @@ class Block:
         for mode, sensitivity in enumerate(SENSITIVITY):
             rows = slice(4 * mode, 4 * mode + 4)
             value[rows] = self.frequency[mode, :, 0] - sensitivity * self.warmth
-            variance[rows] = (WIDER[mode] * self.frequency[mode, :, 1]) ** 2
+            variance[rows] = (wider(mode, self.speed) * self.frequency[mode, :, 1]) ** 2
         value[frequencies:] = self.radius.contrasts
         variance[frequencies:] = np.where(np.isfinite(value[frequencies:]), CONTRAST_STD**2, np.nan)
         if not np.isfinite(self.speed) or not np.isfinite(value).any():
             return None
         r = self.radius
         return LearningBlock(self.speed, value, variance, r.yaw_gain, r.traction, r.curvature)
+
+
+def wider(mode: int, speed: float) -> float:
+    """What a block's std of a mode's ln f is multiplied by at a speed [m/s]."""
+    return WIDER_SLOW if mode == 0 and speed < SLOW else WIDER[mode]
+
+
+def same_road(mode: int, speed: float) -> float:
+    """Correlation of the noise of a mode's frequency at the two wheels of a side [-], at a speed [m/s]."""
+    return SAME_ROAD * min(max((speed - ROAD_FROM) / ROAD_WITHIN + 1.0, 0.0), 1.0) if mode == 0 else 0.0
 
 
 def judge_nothing() -> Judgement:
@@ -185,14 +199,23 @@ class Monitor:
         count = 0
         for m, (start, mode) in enumerate(zip(FREQUENCY, MODE_NODES, strict=True)):
             weight, warmed = mode.weights(block.speed), SENSITIVITY[m] * block.warmth
+            by_side, scale = same_road(m, block.speed), wider(m, block.speed)
+            front: dict[int, tuple[NDArray[np.float64], NDArray[np.float64], float, float]] = {}
             for wheel in range(4):
                 value, std = block.frequency[m, wheel]
                 if np.isnan(value):
                     continue
-                row, loss = np.zeros(STATES), np.zeros(4)
+                row, loss, std = np.zeros(STATES), np.zeros(4), scale * std
                 first = start + wheel * mode.count
                 row[first : first + mode.count], row[WARMTH], loss[wheel] = weight, warmed, SENSITIVITY[m]
-                self._car.take(row, loss, value - expected[4 * m + wheel] - warmed, (WIDER[m] * std) ** 2)
+                rest, variance = value - expected[4 * m + wheel] - warmed, std**2
+                front[wheel] = row, loss, rest, std
+                if wheel - 2 in front and by_side:  # less what the front wheel has told of this road
+                    ahead_row, ahead_loss, ahead_rest, ahead_std = front[wheel - 2]
+                    share = by_side * std / ahead_std
+                    row, loss, rest = row - share * ahead_row, loss - share * ahead_loss, rest - share * ahead_rest
+                    variance *= 1.0 - by_side**2
+                self._car.take(row, loss, rest, variance)
                 count += 1
         return count
 
