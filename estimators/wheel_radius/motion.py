@@ -46,7 +46,8 @@ MAX_YAW_DOUBT, MAX_SIDE = (
     0.05,
     0.01,
 )  # [rad/s], [-] of radius by which the rear wheels' yaw rate may differ from the gyro's
-SPINNING = 0.3  # slip of a side from which a wheel spins or locks
+MAX_UNLIKE = 0.02  # of left and right, of which radii make less than 0.012
+SPINNING, SPINNING_ALONE = 0.3, 0.1  # slip from which wheels spin or lock, and more of one side than of the other
 MAX_SIDE_SLIP = 0.04  # [rad] by which the path may leave the steered one; up to 0.02 on roads, 0.6 in a slide on ice
 RECOVERY = 10  # cells with less than MAX_SLIP on both sides after it until radii are read again
 DEAD_SHARE = 0.3  # of both its neighbours' speed below which a wheel does not roll
@@ -118,12 +119,14 @@ class MotionTracker:
         doubt = MAX_YAW_DOUBT + MAX_SIDE * speed / car.rear_track
         slips = _slips(omega)
         most = float(np.abs(slips).max()) if len(slips) else 0.0
-        slides = most > SPINNING or (moving and abs(steer - path) > MAX_SIDE_SLIP)
+        unlike = float(np.ptp(slips)) if len(slips) else 0.0
+        slides = most > SPINNING or unlike > SPINNING_ALONE or (moving and abs(steer - path) > MAX_SIDE_SLIP)
         slides |= self._recovering > 0 and most > MAX_SLIP
         self._recovering = RECOVERY if slides else max(self._recovering - 1, 0)
         readable = bool(
             moving
             and not (len(slips) and abs(float(slips.mean())) > MAX_SLIP)
+            and not unlike > MAX_UNLIKE
             and self._recovering == 0
             and abs(speed * yaw_rate) < MAX_LATERAL
             and not abs(wheel_yaw - yaw_rate) > doubt
@@ -186,7 +189,7 @@ def _slips(omega: NDArray[np.float64]) -> NDArray[np.float64]:
     """Front over rear wheel, less one [-], of the sides that are known."""
     with np.errstate(divide="ignore", invalid="ignore"):
         sides = omega[:2] / omega[2:] - 1.0
-    return sides[~np.isnan(sides)]
+    return np.clip(sides[~np.isnan(sides)], -1e3, 1e3)
 
 
 def rolling_ratios(car: Car, curvature: float, steer: float) -> NDArray[np.float64]:

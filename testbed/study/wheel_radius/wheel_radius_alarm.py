@@ -2,9 +2,9 @@
 
 A repetition is one car of `sound_drives`: it learns on one drive, is then driven on DAYS others, and once more with 600
 kg behind (LOADED), which is outside what the threshold was set on. Rows of `other_drives` are all but the loaded ones.
-Alarms closer than GAP are one. Nearness: the smaller of the detector's statistic over its threshold and of the loss over
-the least that matters, 1 at an alarm. By tail: its maxima of minutes, of which the largest SHARE are fitted, at 1; limit:
-the design. Seeds 101 and 303 tuned the estimator and its threshold: report another.
+Alarms closer than GAP are one. Nearness: the smaller of the detector's statistic over its threshold and of the loss
+over the least that matters, 1 at an alarm. By tail: its maxima of minutes, of which the largest SHARE are fitted, at 1;
+limit: the design. Seeds 101 and 303 tuned the estimator and its threshold: report another.
 """
 
 from __future__ import annotations
