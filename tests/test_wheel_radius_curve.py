@@ -10,9 +10,10 @@ import pytest
 from estimators.car import GRAVITY, Car
 from estimators.wheel_radius.curve import BODY_ROLL, INNER_SLIP, RADIUS_LOAD, curve_shift
 from estimators.wheel_radius.lateral import FRONT, REAR, Lateral
-from estimators.wheel_radius.motion import RECOVERY, MotionTracker
+from estimators.wheel_radius.motion import MotionTracker
 from estimators.wheel_radius.payload import SIDE_MOMENT, TRACK, WIND_MOMENT, side_shift
 from estimators.wheel_radius.residuals import Methods
+from estimators.wheel_radius.sliding import RECOVERY
 from tests.synthetic_drive import Noise, drive, varied_speed
 from tests.test_wheel_radius_conditions import fed
 
