@@ -10,9 +10,10 @@ import pytest
 from estimators.car import GRAVITY, Car
 from estimators.wheel_radius.curve import BODY_ROLL, INNER_SLIP, RADIUS_LOAD, curve_shift
 from estimators.wheel_radius.lateral import FRONT, REAR, Lateral
-from estimators.wheel_radius.motion import RECOVERY, MotionTracker
+from estimators.wheel_radius.motion import MotionTracker
 from estimators.wheel_radius.payload import SIDE_MOMENT, TRACK, WIND_MOMENT, side_shift
 from estimators.wheel_radius.residuals import Methods
+from estimators.wheel_radius.sliding import GRIP_MEMORY, RECOVERY, Sliding
 from tests.synthetic_drive import Noise, drive, varied_speed
 from tests.test_wheel_radius_conditions import fed
 
@@ -106,3 +107,14 @@ def test_a_load_on_one_side_shifts_both_axles_as_its_moment_says() -> None:
     each = SIDE_MOMENT * GRAVITY / TRACK / 2.0
     assert side_shift(True) ** 2 - side_shift(False) ** 2 == pytest.approx((2.0 * RADIUS_LOAD * each) ** 2)
     assert side_shift(False) == pytest.approx(side_shift(True) * WIND_MOMENT / np.hypot(SIDE_MOMENT, WIND_MOMENT))
+
+
+def test_grip_that_a_spin_has_shown_is_used_by_half_for_five_minutes() -> None:
+    """Left front spins at a pull of 0.24; once it rolls again 0.05 is read and 0.15 not, after GRIP_MEMORY both."""
+    sliding, roll = Sliding(), np.full(4, 40.0)
+    assert not sliding.grips(0.0, roll * [1.5, 1.0, 1.0, 1.0], 0.0, 0.24, True)
+    after = [sliding.grips(0.1 * i, roll, 0.0, 0.05, True) for i in range(1, RECOVERY + 2)]
+    assert after == [False] * (RECOVERY - 1) + [True] * 2
+    assert not sliding.grips(10.0, roll, 0.0, 0.15, True)
+    assert sliding.grips(GRIP_MEMORY + 1.0, roll, 0.0, 0.15, True)
+    assert not sliding.grips(GRIP_MEMORY + 2.0, roll * [0.95, 0.99, 1.0, 1.0], 0.0, 0.15, True)  # one locks sooner

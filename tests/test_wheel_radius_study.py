@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from estimators.wheel_radius.thresholds import THRESHOLD
 from testbed.course import PAIRS
 from testbed.study.wheel_radius.drives import LOW, OFF, TEST_RUNS, task
 from testbed.study.wheel_radius.sound_drives import SoundCar, driven_cells, told
@@ -124,9 +123,9 @@ def test_a_sound_drive_is_kept_as_the_estimators_cells_and_is_the_same_again():
     assert 0.9 < told(scenario, car).rear_track / 1.6364 < 1.1
 
 
-def _sound(alarms, loaded=False, manoeuvre="town", friction="1.0", statistic=(0.5, 1.0)):
+def _sound(alarms, loaded=False, manoeuvre="town", friction="1.0", nearness=(0.5, 0.9)):
     drive = {"loaded": loaded, "manoeuvre": manoeuvre, "friction": friction, "payload_kg": 0.0}
-    return {**drive, "seconds": 600, "alarms": alarms, "statistic": [*statistic]}
+    return {**drive, "seconds": 600, "alarms": alarms, "nearness": [*nearness]}
 
 
 def test_alarms_on_sound_cars_are_counted_by_kind_and_the_loaded_drives_apart():
@@ -140,13 +139,13 @@ def test_alarms_on_sound_cars_are_counted_by_kind_and_the_loaded_drives_apart():
     assert found["false_alarms_per_hour_other_drives"].here == pytest.approx(4.0)
     assert found["false_alarms_friction_0.2"].here == 0
     assert found["false_alarms_600_kg"].here == 3
-    assert found["greatest_statistic_600_kg"].here == 1.0
+    assert found["greatest_nearness_600_kg"].here == 0.9
 
 
 def test_the_tail_of_many_sound_drives_gives_the_rate_they_have():
-    """Minutes whose maxima are 1 plus exponential of scale 0.4: the rate at the threshold in closed form."""
+    """Minutes whose maxima are 0.1 plus exponential of scale 0.1: the rate of an alarm in closed form."""
     rng = np.random.default_rng(0)
-    rows = [{"calibrated": True, "drives": [_sound([], statistic=1.0 + rng.exponential(0.4, 10))]} for _ in range(200)]
+    rows = [{"calibrated": True, "drives": [_sound([], nearness=0.1 + rng.exponential(0.1, 10))]} for _ in range(200)]
     found = {row.name: row for row in WheelRadiusAlarmStudy().table(rows)}
     low, high = found["false_alarms_per_100_h_by_tail"].ci95
-    assert low < 6000.0 * np.exp(-(THRESHOLD - 1.0) / 0.4) < high
+    assert low < 6000.0 * np.exp(-0.9 / 0.1) < high

@@ -29,7 +29,7 @@ from estimators.car import Car
 from estimators.detectors import Monitor
 from estimators.drive_log import WHEELS
 from estimators.estimator import Alarm
-from estimators.wheel_radius.thresholds import alarm_detector
+from estimators.wheel_radius.thresholds import THRESHOLD, alarm_detector
 from estimators.wheel_radius.wheel_change import CONTRASTS
 
 LEVEL = 0.15
@@ -91,14 +91,14 @@ class LowPressureAlarm:
         self._monitor = Monitor(alarm_detector(), "clear")
         self._announced: frozenset[tuple[int, ...]] = frozenset()
         self._last_loss = -np.inf
-        self.statistic = 0.0
-        """Where the detector stands."""
+        self.nearness = 0.0
+        """The smaller of statistic over threshold and loss over level [-]: above 1 there is an alarm."""
 
     def step(self, time: float, contrasts: NDArray[np.float64], covariance: NDArray[np.float64]) -> Alarm | None:
         """An alarm if one is due at `time` [s]."""
         loss = likeliest_loss(contrasts, covariance)
         reading = self._monitor.step(loss.significance)
-        self.statistic, significant = reading.statistic, reading.alarm
+        self.nearness, significant = min(reading.statistic / THRESHOLD, -loss.change / self.level), reading.alarm
         if not (significant and -loss.change > self.level):
             self._candidates = frozenset()
             if time - self._last_loss > RELEASE:

@@ -23,9 +23,10 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from estimators.car import Car
+from estimators.car import GRAVITY, Car
 from estimators.grid import Channel
 from estimators.wheel_radius.curve import curve_shift
+from estimators.wheel_radius.sliding import Sliding
 from estimators.wheel_radius.traction import axle_pull, drive_force, net_force, traction
 
 STUCK = 3.0  # [s]; a moving wheel's speed is never the same for so long, in steps of 0.01 to 0.04 km/h
@@ -41,14 +42,8 @@ MIN_SPEED = 4.0  # [m/s]; below, bus quantisation and curvature dominate
 MAX_SPEED = 100.0  # [m/s]; above, a wheel-speed sensor is wrong
 MAX_LATERAL = 1.0  # [m/s^2]; load transfer then moves a radius by less than 0.05 %
 MAX_LONGITUDINAL = 3.0  # [m/s^2]
-MAX_SLIP = 0.03  # linear part of the slip curve, and tyres of one car differ by less
-MAX_YAW_DOUBT, MAX_SIDE = (
-    0.05,
-    0.01,
-)  # [rad/s], [-] of radius by which the rear wheels' yaw rate may differ from the gyro's
-SPINNING = 0.3  # slip of a side from which a wheel spins or locks
-MAX_SIDE_SLIP = 0.04  # [rad] by which the path may leave the steered one; up to 0.02 on roads, 0.6 in a slide on ice
-RECOVERY = 10  # cells with less than MAX_SLIP on both sides after it until radii are read again
+MAX_YAW_DOUBT = 0.05  # [rad/s] and
+MAX_SIDE = 0.01  # [-] of radius by which the rear wheels' yaw rate may differ from the gyro's
 DEAD_SHARE = 0.3  # of both its neighbours' speed below which a wheel does not roll
 NEIGHBOURS = ((1, 2), (0, 3), (3, 0), (2, 1))  # of each wheel: across the car, along it
 STANDSTILL_CELLS = 10  # with every wheel at rest before the car counts as standing
@@ -91,7 +86,8 @@ class MotionTracker:
     def __init__(self, car: Car, step: float) -> None:
         self._car, self._step = car, step
         self._last: tuple[int, float] | None = None
-        self._standing_cells = self._recovering = 0
+        self._standing_cells = 0
+        self._sliding = Sliding()
         self.dead = np.zeros(4, dtype=bool)
         self.torque_seen = False
         self.gyro_seen = False
@@ -116,23 +112,20 @@ class MotionTracker:
         if np.isnan(steer):
             steer = path
         doubt = MAX_YAW_DOUBT + MAX_SIDE * speed / car.rear_track
-        slips = _slips(omega)
-        most = float(np.abs(slips).max()) if len(slips) else 0.0
-        slides = most > SPINNING or (moving and abs(steer - path) > MAX_SIDE_SLIP)
-        slides |= self._recovering > 0 and most > MAX_SLIP
-        self._recovering = RECOVERY if slides else max(self._recovering - 1, 0)
+        lateral = speed * yaw_rate if np.isnan(accel_y) else accel_y
+        force = drive_force(car, speed, acceleration, accel_x, torque if self.torque_seen else None)
+        pull = axle_pull(car, force, speed, acceleration, accel_x)
+        fastest = float(np.nanmax(np.abs(omega), initial=0.0)) * car.rolling_radius
+        used = float(np.hypot(np.nanmax(np.abs(pull), initial=0.0), 0.0 if np.isnan(lateral) else lateral / GRAVITY))
+        grips = self._sliding.grips(time, omega, steer - path if moving else 0.0, used, fastest > MIN_SPEED)
         readable = bool(
             moving
-            and not (len(slips) and abs(float(slips.mean())) > MAX_SLIP)
-            and self._recovering == 0
+            and grips
             and abs(speed * yaw_rate) < MAX_LATERAL
             and not abs(wheel_yaw - yaw_rate) > doubt
             and not abs(acceleration) > MAX_LONGITUDINAL
         )
         self._standing_cells = self._standing_cells + 1 if bool((np.abs(cell[:4]) < STANDSTILL_OMEGA).all()) else 0
-        lateral = speed * yaw_rate if np.isnan(accel_y) else accel_y
-        force = drive_force(car, speed, acceleration, accel_x, torque if self.torque_seen else None)
-        pull = axle_pull(car, force, speed, acceleration, accel_x)
         return Motion(
             index=index,
             time=time,
@@ -180,13 +173,6 @@ def _slowest(omega: NDArray[np.float64]) -> float:
     """Of those wheels that are known [rad/s]; 0 if none is."""
     known = np.abs(omega[np.isfinite(omega)])
     return float(known.min()) if len(known) else 0.0
-
-
-def _slips(omega: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Front over rear wheel, less one [-], of the sides that are known."""
-    with np.errstate(divide="ignore", invalid="ignore"):
-        sides = omega[:2] / omega[2:] - 1.0
-    return sides[~np.isnan(sides)]
 
 
 def rolling_ratios(car: Car, curvature: float, steer: float) -> NDArray[np.float64]:

@@ -9,14 +9,16 @@ record leaves the tail open: with 20 and 15 % of the minutes in the tail instead
 and SHARE was chosen after these were seen, so the rate is designed for but not shown. Checked on 40 other drives of 20
 other cars, 2.5 h: no alarm, greatest statistic 2.0.
 
-A second record, `testbed.study.wheel_radius.sound_drives` seed 101, estimators told the car wrong by up to 10 % and
-payload to 400 kg anywhere behind the front seats, 30 drives of 8 cars, 4.7 h, says where the rate does not hold: on
-country roads, where long curves are read as a loss of one side (statistic to 5.8, in 2 of 5 drives an alarm), and after
-a driven wheel has spun on ice (friction 0.2, stop and go: both drives, to 9). Without country roads and friction 0.2,
-21 drives, 3.3 h, no alarm, greatest 3.4; `designed` calls for 4.25 there, 3.97 if the car is told rightly (27 drives,
-4.2 h), each known to a factor of four of the rate. 3.57 is kept: at 4.3 a loss of 25 % in both rear tyres, and the low
-tyre of the measured Mustang, would no longer be called within a minute. So one false alarm in 100 h is the design of
-the first record, and is missed on country roads and ice.
+A second record, `testbed.study.wheel_radius.sound_drives`: estimators told the car wrong by up to 10 %, payload to 400
+kg anywhere behind the front seats, country roads, ice. What the statistic misread there was mended at its cause: load
+that moves in curves and the inner wheel's slip (`curve`), tracks told wrong (`lateral`), spinning and sliding tyres
+(`sliding`; rear wheels that hardly rolled beside spinning front ones were taken for dead), loads and wind from the side
+(`payload`). Seed 101 had 7 alarms in 4.7 h before. Seeds 101 and 303, on which that was tuned, 75 drives of 20 cars,
+11.9 h: no alarm. The statistic alone still reaches 4.0 there, for losses below LEVEL, and `designed` would call for
+more than 5; THRESHOLD is what gives the rate together with LEVEL: of the nearness of an alarm (the smaller of both
+conditions, 1 at an alarm) the tail says 0.93 (95 %: 0.85 to 1.52) once in 100 h. Cars never driven before, seed 707, 16
+drives, 2.6 h: no alarm, nearest 0.81. `python -m testbed.study wheel-radius-alarm` counts on. Higher it cannot be: the
+low tyre of the measured Mustang reaches 3.6.
 """
 
 from __future__ import annotations

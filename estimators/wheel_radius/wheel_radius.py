@@ -62,8 +62,8 @@ class WheelRadius(Estimator):
         self._warned: set[str] = set()
         self._unheard = set(self.requires)
         self._reach = OutOfReach(car)
-        self.alarm_statistics: list[float] = []
-        """What the alarm's detector has been at, once a second, since alarms may be given."""
+        self.nearness: list[float] = []
+        """How near the alarm has been to coming (1), once a second, since it may come."""
 
     def use_calibration(self, document: Mapping[str, Any]) -> None:
         """Start calibrated; a residual that the document lacks is still learnt."""
@@ -90,8 +90,8 @@ class WheelRadius(Estimator):
     def judge(self, cells: Cells, flags: Sequence[Flag] = ()) -> Outputs:
         """The same from cells of STEP that were made before; flags: raised in making them."""
         flags = list(flags)
-        heard = np.isfinite(cells.value[:, : len(self.requires)]).any(axis=0)
-        self._unheard -= {name for name, any_ in zip(self.requires, heard.tolist(), strict=True) if any_}
+        heard = np.flatnonzero(np.isfinite(cells.value[:, : len(self.requires)]).any(axis=0))
+        self._unheard -= {self.requires[i] for i in heard}
         rows: list[Row] = []
         alarms: list[Alarm] = []
         for index, centre, cell in zip(cells.index.tolist(), cells.centre.tolist(), cells.value, strict=True):
@@ -162,7 +162,7 @@ class WheelRadius(Estimator):
         if settled:
             if alarm := self._alarm.step(time, contrasts, spread):
                 alarms.append(alarm)
-            self.alarm_statistics.append(self._alarm.statistic)
+            self.nearness.append(self._alarm.nearness)
         return said
 
     def _side_estimates(self, seconds: np.ndarray) -> dict[str, tuple[float, float, str]]:

@@ -2,8 +2,9 @@
 
 A repetition is one car of `sound_drives`: it learns on one drive, is then driven on DAYS others, and once more with 600
 kg behind (LOADED), which is outside what the threshold was set on. Rows of `other_drives` are all but the loaded ones.
-Alarms closer than GAP are one. By tail: the statistic's maxima of minutes, of which the largest SHARE are fitted, at
-the threshold; limit: the design. Seeds 101 and 303 tuned the estimator and its threshold: report another.
+Alarms closer than GAP are one. Nearness: the smaller of the detector's statistic over its threshold and of the loss
+over the least that matters, 1 at an alarm. By tail: its maxima of minutes, of which the largest SHARE are fitted, at 1;
+limit: the design. Seeds 101 and 303 tuned the estimator and its threshold: report another.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ from numpy.typing import NDArray
 from estimators.scores.false_alarms import false_alarms
 from estimators.scores.interval import poisson_rate_interval
 from estimators.scores.tail import block_maxima, fit_tail
-from estimators.wheel_radius.thresholds import FALSE_PER_HOUR, MINUTE, SHARE, THRESHOLD
+from estimators.wheel_radius.thresholds import FALSE_PER_HOUR, MINUTE, SHARE
 from estimators.wheel_radius.wheel_radius import WheelRadius
 from testbed.study.study import Row, Study, StudyRow, Task
 from testbed.study.wheel_radius.sound_drives import SoundCar, driven_cells, told
@@ -30,7 +31,7 @@ ICE = "0.2"
 
 def drive_car(task: Task) -> Row:
     """By drive: `manoeuvre`, `friction`, `payload_kg`, `alarms` [s], `seconds` judged, and in each minute of them the
-    alarm's greatest `statistic`."""
+    greatest `nearness` of an alarm."""
     car, fields = SoundCar(task["seed"], task["number"]), SMALL if task["small"] else {}
     before = car.day(LOADED + 1, **fields) if task["small"] else car.calibration()
     learner = WheelRadius(told(before, car))
@@ -43,24 +44,24 @@ def drive_car(task: Task) -> Row:
         if learnt is not None:
             estimator.use_calibration(learnt)
         out = estimator.judge(driven_cells(scenario))
-        statistic = np.array(estimator.alarm_statistics)
+        nearness = np.array(estimator.nearness)
         drives.append(
             {
                 "loaded": number == LOADED,
                 "manoeuvre": scenario.manoeuvre,
                 "friction": scenario.friction,
                 "payload_kg": scenario.payload,
-                "seconds": len(statistic),
+                "seconds": len(nearness),
                 "alarms": [float(alarm.time) for alarm in out.alarms],
-                "statistic": _maxima(statistic),
+                "nearness": _maxima(nearness),
             }
         )
     return {"calibrated": learnt is not None, "drives": drives}
 
 
-def _maxima(statistic: NDArray[np.float64]) -> list[float]:
+def _maxima(nearness: NDArray[np.float64]) -> list[float]:
     """Of each minute of a drive."""
-    return block_maxima(statistic, np.arange(len(statistic)), MINUTE).tolist() if len(statistic) else []
+    return block_maxima(nearness, np.arange(len(nearness)), MINUTE).tolist() if len(nearness) else []
 
 
 class WheelRadiusAlarmStudy(Study):
@@ -89,7 +90,7 @@ class WheelRadiusAlarmStudy(Study):
 
 
 def _counted(name: str, drives: Sequence[Row]) -> Iterator[StudyRow]:
-    """Count, hours, rate with Garwood's interval, greatest statistic."""
+    """Count, hours, rate with Garwood's interval, greatest nearness."""
     if sum(drive["seconds"] for drive in drives) == 0:
         yield StudyRow(f"hours_{name}", "h", here=0.0)
         return
@@ -98,17 +99,17 @@ def _counted(name: str, drives: Sequence[Row]) -> Iterator[StudyRow]:
     yield StudyRow.of(f"false_alarms_{name}", "-", ends, limit=FALSE_PER_HOUR * found.hours)
     yield StudyRow(f"hours_{name}", "h", here=found.hours)
     yield StudyRow.of(f"false_alarms_per_hour_{name}", "1/h", found.rate, limit=FALSE_PER_HOUR)
-    greatest = max(max(drive["statistic"], default=0.0) for drive in drives)
-    yield StudyRow(f"greatest_statistic_{name}", "-", here=greatest, limit=THRESHOLD)
+    greatest = max(max(drive["nearness"], default=0.0) for drive in drives)
+    yield StudyRow(f"greatest_nearness_{name}", "-", here=greatest, limit=1.0)
 
 
 def _tail(drives: Sequence[Row]) -> Iterator[StudyRow]:
-    """What the tail of the statistic says of the rate; nothing while there are too few drives."""
-    maxima = [drive["statistic"] for drive in drives if len(drive["statistic"])]
+    """What the tail of the nearness says of the rate; nothing while there are too few drives."""
+    maxima = [drive["nearness"] for drive in drives if len(drive["nearness"])]
     try:
         tail = fit_tail(maxima, MINUTE / 3600.0, SHARE)
-        rate, threshold = tail.rate_at(THRESHOLD), tail.threshold_at(FALSE_PER_HOUR)
+        rate, nearness = tail.rate_at(1.0), tail.threshold_at(FALSE_PER_HOUR)
     except ValueError:
         return
     yield StudyRow.of("false_alarms_per_100_h_by_tail", "-", rate, limit=100.0 * FALSE_PER_HOUR, scale=100.0)
-    yield StudyRow.of("threshold_by_tail", "-", threshold, limit=THRESHOLD)
+    yield StudyRow.of("nearness_once_in_100_h_by_tail", "-", nearness, limit=1.0)
