@@ -39,7 +39,7 @@ class Tuned:
     voting: Thresholds
 
 
-TUNED = Tuned({"vibration": 15.6, "radius": 17.6, "fused": 13.0}, Thresholds(7.6, 17.3, 20.1))
+TUNED = Tuned({"vibration": 14.3, "radius": 17.6, "fused": 13.9}, Thresholds(7.6, 17.3, 20.1))
 
 
 def threshold_of(largest: ArrayLike) -> EmpiricalThreshold:
