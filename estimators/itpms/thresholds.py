@@ -13,9 +13,9 @@ frequency and what moves a radius have little to do with each other on a sound c
 with every other drive's radius. The record of all pairs gave h_0 (450 h; the sharper vibration asks for 4.7 in 319 h,
 largest mean 6.2, so it was left where it is).
 
-Tuned on cars of seeds 1 and 2 of `testbed.study.itpms_fusion` (constants of `monitor`, `mode_nodes`, `learning`, `alarm`,
-the grid of `mode_grid`), the thresholds on cars of seeds 1, 2 and 3, two thirds of it in town. The study's default seed
-was never driven before it was reported.
+Tuned on cars of seeds 1 and 2 of `testbed.study.itpms_fusion` (constants of `monitor`, `mode_nodes`, `learning` and
+`alarm`, grid of `mode_grid`), the thresholds on cars of seeds 1, 2 and 3, two thirds of it in town. The study's default
+seed was never driven before it was reported.
 """
 
 from __future__ import annotations
