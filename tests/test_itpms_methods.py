@@ -12,7 +12,7 @@ from estimators.car import Car
 from estimators.drive_log import WHEELS
 from estimators.itpms.contrasts import DIAGONAL, FRONT_REAR, LEFT_RIGHT, Contrasts, RadiusBlock
 from estimators.itpms.learning import LearningBlock, learn
-from estimators.itpms.mode_grid import ANTIPHASE, BLOCK, LINE_WIDTH, RATE, SIZE, ModeGrid
+from estimators.itpms.mode_grid import ANTIPHASE, BLOCK, RATE, SIZE, ModeGrid
 from estimators.itpms.mode_nodes import ANTIPHASE as FAST_MODE
 from estimators.itpms.mode_nodes import MODE_NODES, NODES, remaining
 from estimators.itpms.monitor import SAME_ROAD, SENSITIVITY, Block, Monitor, same_road, walk_covariance
@@ -26,6 +26,7 @@ from estimators.wheel_radius.motion import Motion
 from estimators.wheel_radius.wheel_change import CONTRASTS
 
 BLOCKS = 400  # of a simulated mode: its mean is then known to a twentieth of a block's std
+LINE_WIDTH = 3.0  # Hz either way of a line: the sine tapers' band and the side lobes next to it
 OVER_BOUND = 2.2  # of the Cramer-Rao bound: damping, slope, bend and noise are not known, and blocks are short
 
 

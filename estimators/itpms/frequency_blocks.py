@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from estimators.car import Car
 from estimators.drive_log import WHEELS, Signal
-from estimators.itpms.mode_grid import ANTIPHASE, IN_PHASE, LINE_WIDTH, SIZE, ModeGrid
+from estimators.itpms.mode_grid import ANTIPHASE, IN_PHASE, SIZE, ModeGrid
 from estimators.vibration.line import Complaint, Line
 from estimators.wheel_speed.edge_speed import EdgeSpeed
 from estimators.wheel_speed.orders import order_lines
@@ -115,7 +115,7 @@ class FrequencyBlocks:
         if float(ring.turns.min()) < LEARNT_TIME * turns:
             if abs(change) > STEADIEST * self.omega[w]:
                 return np.zeros(len(frequency), dtype=bool)
-            used &= ~order_lines(frequency, float(self.omega[w]), abs(change), ring.teeth // 2, LINE_WIDTH)
+            used &= ~order_lines(frequency, float(self.omega[w]), abs(change), ring.teeth // 2)
         return used
 
     def calibration(self) -> dict[str, Any]:

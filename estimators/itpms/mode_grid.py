@@ -33,7 +33,6 @@ BLOCK = 2.0  # s
 SIZE = round(RATE * BLOCK)
 TAPERS = 4  # half a band of (TAPERS + 1) / (2 BLOCK) = 1.25 Hz, a fifth of a mode's half-width
 INDEPENDENT = 1.0 / (1.0 + 0.5 / TAPERS)  # share of the bins: 1 / (n sum q^2), q the mean of the squared tapers
-LINE_WIDTH = 3.0  # Hz either way of a wheel order: the tapers' band and the side lobes next to it
 INFORMED = 0.6  # of the grid's variance: a posterior wider than that says nothing
 LEAST_BINS = 0.5  # of the band
 

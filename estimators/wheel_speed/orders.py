@@ -15,11 +15,10 @@ WIDTH = 1.5  # Hz either way: the main lobe of a Hann window of 1 s, at half a l
 
 
 def order_lines(
-    frequency: NDArray[np.float64], omega: float, change: float, highest: int, width: float = WIDTH
+    frequency: NDArray[np.float64], omega: float, change: float, highest: int
 ) -> NDArray[np.bool_]:  # fmt: skip
     """Which lines lie within an order 1 to `highest`. frequency [Hz]: shape (n,); omega: mean speed [rad/s]; change: of
-    it over the record [rad/s], which widens order n by n change / 2 pi; width: either way, of the spectrum's own line
-    [Hz]."""
+    it over the record [rad/s], which widens order n by n change / 2 pi."""
     turn = omega / (2.0 * math.pi)
     order = np.clip(np.rint(frequency / turn), 1, highest)
-    return np.abs(frequency - order * turn) <= width + 0.5 * order * change / (2.0 * math.pi)
+    return np.abs(frequency - order * turn) <= WIDTH + 0.5 * order * change / (2.0 * math.pi)
