@@ -15,7 +15,7 @@ from estimators.itpms.learning import LearningBlock, learn
 from estimators.itpms.mode_grid import ANTIPHASE, BLOCK, RATE, SIZE, ModeGrid
 from estimators.itpms.mode_nodes import ANTIPHASE as FAST_MODE
 from estimators.itpms.mode_nodes import MODE_NODES, NODES, remaining
-from estimators.itpms.monitor import SENSITIVITY, Block, Monitor
+from estimators.itpms.monitor import SAME_ROAD, SENSITIVITY, Block, Monitor, same_road, walk_covariance
 from estimators.itpms.patterns import ALIKE, LEAST, PATTERNS, SPREAD, TYPICAL, judge
 from estimators.itpms.sound_car import LEAK, ONSETS, STATES, SoundCar
 from estimators.itpms.speed_bins import NAMES, Calibration
@@ -26,7 +26,8 @@ from estimators.wheel_radius.motion import Motion
 from estimators.wheel_radius.wheel_change import CONTRASTS
 
 BLOCKS = 400  # of a simulated mode: its mean is then known to a twentieth of a block's std
-OVER_BOUND = 2.6  # of the Cramer-Rao bound: damping, slope, bend and noise are not known, and blocks are short
+LINE_WIDTH = 3.0  # Hz either way of a line: the sine tapers' band and the side lobes next to it
+OVER_BOUND = 2.2  # of the Cramer-Rao bound: damping, slope, bend and noise are not known, and blocks are short
 
 
 def mode(frequency: float, damping: float, noise: float, rng: np.random.Generator) -> np.ndarray:
@@ -58,11 +59,24 @@ def test_mode_frequency_is_unbiased_and_as_uncertain_as_it_says(grid: ModeGrid, 
     assert bound < error.std() < OVER_BOUND * bound * (1.0 + 3.0 * noise)
 
 
+@pytest.mark.parametrize("slope", [-3.75, -1.25])
+def test_a_road_between_two_slopes_of_the_grid_moves_and_scatters_no_frequency(grid: ModeGrid, slope: float) -> None:
+    """Whatever the road's slope, blocks scatter by what they say (a grid of steps of 4 scattered by 1.5 times that)."""
+    whole = np.fft.rfft(mode(87.0, 0.072, 0.0, np.random.default_rng(11)).ravel())
+    f = np.fft.rfftfreq(BLOCKS * SIZE, 1.0 / RATE)
+    speed = np.fft.irfft(whole * np.maximum(f / 83.0, 0.05) ** (0.5 * slope)).reshape(BLOCKS, SIZE)
+    found = grid.fit(speed, np.ones((BLOCKS, len(grid.frequency)), bool))
+    error = found[:, 0] - math.log(87.0)
+    assert abs(error.mean()) < 5e-3  # the same at every block, so learnt
+    assert 0.8 < math.sqrt(np.mean((error / found[:, 1]) ** 2)) < 1.1
+    assert error.std() < OVER_BOUND * math.sqrt(0.072 / (2.0 * math.pi * 87.0 * BLOCK))
+
+
 def test_masked_wheel_order_moves_nothing_and_an_unmasked_one_does(grid: ModeGrid) -> None:
     speed = mode(87.0, 0.07, 0.0, np.random.default_rng(2))[:50]
     line = 4.0 * speed.std() * np.cos(2.0 * math.pi * 100.0 * np.arange(SIZE) / RATE)
     every = np.ones((50, len(grid.frequency)), bool)
-    masked = every & (np.abs(grid.frequency - 100.0) > 1.6)
+    masked = every & (np.abs(grid.frequency - 100.0) > LINE_WIDTH)
     plain, hidden = grid.fit(speed, masked)[:, 0], grid.fit(speed + line, masked)[:, 0]
     assert hidden == pytest.approx(plain, abs=2e-3, nan_ok=True)
     assert np.nanmean(grid.fit(speed + line, every)[:, 0]) > math.log(87.0) + 0.05
@@ -98,6 +112,26 @@ def test_likelihood_ratio_of_a_loss_is_that_of_the_joint_gaussian() -> None:
         effect = np.where(number >= onset, share, 0.0) * (losses @ d)
         ratio = car.score[place] @ d - 0.5 * d @ car.information[place] @ d
         assert ratio == pytest.approx(density(value - effect) - density(value), abs=1e-9)
+
+
+def test_noise_that_two_wheels_of_a_side_share_is_that_of_the_joint_gaussian() -> None:
+    """One block of the four antiphase frequencies: information about losses against G' (H P H' + R)^-1 G, R full."""
+    nodes, mode = len(NODES), MODE_NODES[0]
+    sure = tuple(np.array([1e6 * np.eye(mode.count)] * 4) for mode in MODE_NODES)
+    known = Calibration(np.zeros((len(NAMES), nodes)), sure, np.zeros((3, nodes)), (0.0, 0.0), np.zeros(2), np.zeros(2))
+    monitor, frequency = Monitor(Car(), known, "vibration"), np.full((2, 4, 2), np.nan)
+    std = np.array([0.02, 0.015, 0.025, 0.018])
+    frequency[0, :, 0], frequency[0, :, 1] = 0.0, std
+    unread = RadiusBlock(np.empty(0), np.empty((0, 3)), 0.0, 0.0, 0.0, math.nan, math.nan)
+    prior = monitor._car.covariance + walk_covariance(BLOCK)
+    assert monitor.step(Block(0, frequency, unread, 20.0)) is not None
+    rows = np.zeros((4, STATES))
+    for wheel in range(4):
+        rows[wheel, wheel * mode.count : (wheel + 1) * mode.count] = mode.weights(20.0)
+    shared = np.eye(4) + SAME_ROAD * (np.eye(4, k=2) + np.eye(4, k=-2))
+    total = rows @ prior @ rows.T + np.outer(std, std) * shared
+    assert monitor.information(0, 0.0) == pytest.approx(SENSITIVITY[0] ** 2 * np.linalg.inv(total), rel=1e-6)
+    assert same_road(0, 10.0) == same_road(1, 20.0) == 0.0
 
 
 def test_onsets_stay_few_and_keep_the_first_and_the_likeliest() -> None:

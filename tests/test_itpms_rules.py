@@ -9,10 +9,12 @@ import pytest
 from scipy import stats
 
 from estimators.itpms.alarm import PATIENCE, AlarmRule
+from estimators.itpms.mode_grid import BLOCK
+from estimators.itpms.monitor import SAME_ROAD
 from estimators.itpms.patterns import Judgement
 from estimators.itpms.thresholds import FALSE_ALARMS_PER_HOUR, SPAN, TUNED, threshold_of
 from estimators.itpms.voting import Thresholds, Vote, warning
-from testbed.study.itpms_fusion.bound import ARL0, detection_bound, found_by_level, information
+from testbed.study.itpms_fusion.bound import ARL0, detection_bound, found_by_level, information, wandering_bound
 
 
 def _judgement(statistic: float, pattern: tuple[int, ...], certainty: float = 1.0, lost: float = 0.15) -> Judgement:
@@ -92,11 +94,29 @@ def test_bound_of_a_leak_gathers_while_it_leaks() -> None:
     assert sudden - 6.0 < leak < sudden
 
 
+def test_bound_of_a_wandering_car_knows_the_day_and_the_road_that_two_wheels_share() -> None:
+    """One tyre of 10 %: of a well-known car no sooner than its neighbour's road allows, later where it is read seldom,
+    or the loss is smaller; never while the car stands."""
+    steady = np.full(400, 20.0)
+    alone, known = (bound(steady, 100.0, 0.0, 1, 0.10) for bound in (detection_bound, wandering_bound))
+    assert alone is not None
+    assert known is not None
+    assert (1.0 - SAME_ROAD**2) * alone <= known <= alone + BLOCK
+    slow = np.where(np.arange(400) % 40 < 8, 12.0, 0.0)
+    waited = wandering_bound(slow, 100.0, 0.0, 1, 0.10)
+    assert waited is None or waited > 5.0 * known
+    small, great = (wandering_bound(steady, 100.0, 0.0, 1, share) for share in (0.05, 0.25))
+    assert small is not None
+    assert great is not None
+    assert small > known >= great
+    assert wandering_bound(np.zeros(400), 100.0, 0.0, 1, 0.10) is None
+
+
 def test_equal_losses_are_the_harder_to_know_the_farther_from_what_was_learnt() -> None:
     shares = [found_by_level(0.2, 20.0, driven) for driven in (20.0, 25.0, 30.0, 36.0)]
     assert shares == sorted(shares, reverse=True)
     assert shares[0] > 0.99
-    common = math.hypot(0.007, 0.5 * 0.0035)  # at the speed learnt, 20 m/s: the day alone
+    common = math.hypot(0.005, 0.5 * 0.002)  # at the speed learnt, 20 m/s: the day alone
     z = 0.334 * -math.log(0.8) / common - math.sqrt(2.0 * TUNED.alone["fused"])
     assert shares[0] == pytest.approx(stats.norm.cdf(z), abs=1e-3)
     assert found_by_level(1e-6, 20.0, 20.0) < 1e-5

@@ -46,7 +46,10 @@ from estimators.wheel_radius.wheel_change import CONTRASTS
 SENSITIVITY = (0.334, 0.19)
 SOURCES = ("vibration", "radius", "fused")
 WIDER = (1.0, 1.2)  # a block's frequency varies by that times what its spectrum says,
-SLOW, WIDER_SLOW = 12.0, 1.4  # and the antiphase one's by that below a speed [m/s], where the contact patch's gap is in it
+SLOW, WIDER_SLOW = (
+    12.0,
+    1.4,
+)  # and the antiphase one's by that below a speed [m/s], where the contact patch's gap is in it
 # of the noise of two wheels on one side, which roll over the same road, of the antiphase frequency: correlation from
 # ROAD_FROM [m/s] on, none ROAD_WITHIN below
 SAME_ROAD, ROAD_FROM, ROAD_WITHIN = 0.55, 13.0, 2.0
@@ -183,6 +186,13 @@ class Monitor:
     def onset(self, judgement: Judgement) -> float:
         """When the loss of a judgement began [s]."""
         return float(self._car.onsets[judgement.onset]) * BLOCK
+
+    def information(self, block: int, rise: float) -> NDArray[np.float64]:
+        """About a loss [ln pressure] that comes within `rise` s (0 or LEAK), of the onset kept that is nearest to a
+        block, shape (4, 4)."""
+        places = np.flatnonzero(self._car.rise == rise)
+        nearest = places[np.argmin(np.abs(self._car.onsets[places] - block))]
+        return self._car.information[nearest].copy()
 
     def _turn(self, speed: float) -> None:
         """Another speed has other contrasts, which are as uncertain as they were learnt; a node's error is taken in

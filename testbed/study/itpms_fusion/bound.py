@@ -12,6 +12,12 @@ patch's gap, which weakens it, is left out, to the side of the bound), in phase 
 creeping in town count as waiting. Radius adds to it where fewer than four tyres are low; what limits a radius is not
 noise but what else changes with traction, load and path, for which no bound is known.
 
+That bound knows the sound car. `wandering_bound` lets it wander as the estimator declares: the same filter (`Monitor`
+of the vibration alone, calibrated for ever) on frequencies as sharp as the bound above, so of the information only the
+part counts by which a loss stands out of what day, speed and drive may do to a sound car and of what was heard before.
+It also knows that two wheels on one side roll over the same road, which the bound of a single wheel leaves out: one low
+tyre is known sooner beside its neighbour than alone, by up to 1 / (1 - SAME_ROAD^2) of information.
+
 Four equal losses from before the drive are known by the mean ln f alone, against what a sound car's may be off: its
 std s from day to day and, at a speed not learnt, of what was not learnt (as `estimators.itpms.monitor` declares both).
 However long the drive, the share of such losses that passes a threshold of h nats is
@@ -27,8 +33,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import norm
 
-from estimators.itpms.mode_nodes import ANTIPHASE, remaining
-from estimators.itpms.monitor import DAY, DAY_STEP, SENSITIVITY
+from estimators.car import Car
+from estimators.itpms.contrasts import RadiusBlock
+from estimators.itpms.mode_grid import BLOCK
+from estimators.itpms.mode_nodes import ANTIPHASE, MODE_NODES, NODES, remaining
+from estimators.itpms.monitor import DAY, DAY_STEP, SENSITIVITY, Block, Monitor
+from estimators.itpms.sound_car import LEAK
+from estimators.itpms.speed_bins import SIZE, Calibration
 from estimators.itpms.thresholds import FALSE_ALARMS_PER_HOUR, TUNED
 
 RECORD = 60.0  # s
@@ -73,4 +84,30 @@ def detection_bound(
         if rate > 0.0 and gathered + rate >= math.log(ARL0):
             return max(second + (math.log(ARL0) - gathered) / float(rate) - reached, 0.0)
         gathered += float(rate)
+    return None
+
+
+def wandering_bound(
+    speed: NDArray[np.float64], onset: float, within: float, tyres: int, share: float
+) -> float | None:  # fmt: skip
+    """As `detection_bound`, of the first so many tyres of fl fr rl rr, of a car that wanders as declared; to a block. A
+    loss within more than a block is taken for a leak of `sound_car`'s."""
+    sure = tuple(SURE * np.array([np.eye(mode.count)] * 4) for mode in MODE_NODES)
+    known = Calibration(
+        np.zeros((SIZE, len(NODES))), sure, np.zeros((3, len(NODES))), (0.0, 0.0), np.zeros(2), np.zeros(2)
+    )
+    monitor = Monitor(Car(), known, "vibration")
+    unread = RadiusBlock(np.empty(0), np.empty((0, 3)), 0.0, 0.0, 0.0, math.nan, math.nan)
+    low = np.where(np.arange(4) < tyres, math.log1p(-share), 0.0)
+    size, start, rise = int(BLOCK), int(onset // BLOCK), LEAK if within > BLOCK else 0.0
+    for number in range(len(speed) // size):
+        part = speed[number * size : (number + 1) * size]
+        frequency = np.full((2, 4, 2), np.nan)
+        for mode, (told, slowest, fastest) in enumerate(HEARD):
+            heard = int(((part >= slowest) & (part <= fastest)).sum())
+            if heard:
+                frequency[mode] = 0.0, (heard * told) ** -0.5
+        monitor.step(Block(number, frequency, unread, float(part.mean())))
+        if number >= start and 0.5 * low @ monitor.information(start, rise) @ low >= math.log(ARL0):
+            return max((number + 1) * BLOCK - onset - within, 0.0)
     return None

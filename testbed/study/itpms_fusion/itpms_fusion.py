@@ -7,6 +7,7 @@ voting scheme (radius cannot see four equal losses):
                                    together; an alarm during a leak counts as 0), drives without an alarm censored.
                                    Limit: the same quantile of the vibration bound (`bound`); _sudden, _leak: of these
                                    alone; _heard: of drives that are ever faster than HEARD_FROM
+    detect_10pct_1_tyre_wander_bound_p95_s      of the bound of a car that wanders as declared (`bound`)
     isolation_rate                 share of the alarms that name exactly the low tyres
     false_alarms, hours            in sound driving: alarms with one in 60 s counted, and the hours
     designed_false_alarms_per_100h      the designed 1 (limit), and what the tail of the statistic says at the threshold
@@ -41,7 +42,7 @@ from testbed.study.itpms_fusion.drives import (
     SLOW,
     name_of,
 )
-from testbed.study.itpms_fusion.repetition import METHODS, repeat, task
+from testbed.study.itpms_fusion.repetition import HARDEST, METHODS, repeat, task
 from testbed.study.study import Row, Study, StudyRow, Task
 
 if TYPE_CHECKING:
@@ -114,16 +115,21 @@ def _quantile(events: EventTimes | None) -> Interval | None:
     return None if events is None else event_curve(events).quantile(0.95)
 
 
-def _limit(drives: Sequence[Mapping[str, Any]], method: str) -> float | None:
-    """95 % quantile of the vibration bound; None where it is not reached, and for the radius, which has none."""
-    if method == "radius":
-        return None
-    known = [d["bound_s"] for d in drives]
+def _bounds(drives: Sequence[Mapping[str, Any]], name: str) -> Interval:
+    """95 % quantile of a bound of the drives."""
+    known = [d[name] for d in drives]
     events = EventTimes(
         [max(d["end_s"] - d["reached_s"], 0.0) if b is None else b for d, b in zip(drives, known, strict=True)],
         [b is not None for b in known],
     )
-    value = event_curve(events).quantile(0.95).value
+    return event_curve(events).quantile(0.95)
+
+
+def _limit(drives: Sequence[Mapping[str, Any]], method: str) -> float | None:
+    """Of the vibration bound; None where it is not reached, and for the radius, which has none."""
+    if method == "radius":
+        return None
+    value = _bounds(drives, "bound_s").value
     return value if np.isfinite(value) else None
 
 
@@ -148,6 +154,8 @@ def _detection(rows: Sequence[Row], method: str) -> Iterator[StudyRow]:
             what = f"{start}detect_{100 * share:.0f}pct_{tyres}_tyre{'s' if tyres > 1 else ''}_p95_s"
             paper = PAPER_TIME if share == 0.25 and method in ("vibration", "radius") else None
             yield StudyRow.of(what, "s", _quantile(times(drives, method)), paper, _limit(drives, method))
+            if method == "fused" and share <= HARDEST:
+                yield StudyRow.of(what.replace("_p95_s", "_wander_bound_p95_s"), "s", _bounds(drives, "wander_s"))
     for one in (0.15, None):
         drives = driven(rows, [name_of(s, n, k) for s, n, k in LOSSES if one in (s, None)])
         drives = [d for d in drives if not (method == "radius" and len(d["wheels"]) == 4)]
