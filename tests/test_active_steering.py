@@ -18,7 +18,7 @@ from testbed.drive import main
 from testbed.scenario import Scenario
 from testbed.session import Session
 from testbed.steering import gear, motor, ratio, servo
-from testbed.steering.active_steering import HAND_RATE, steering_state, steering_unit
+from testbed.steering.active_steering import HAND_RATE, advance, steering_state, steering_unit
 from testbed.steering.loop_fault import loop_fault
 from testbed.study.steering_actuator.scenarios import BRISK, CALM, CASES, SET_A
 from testbed.trace import column
@@ -105,10 +105,11 @@ def integrated_run(demand: np.ndarray, load: float) -> np.ndarray:
     return np.array(found)
 
 
-@pytest.mark.parametrize(("size", "load"), [(60.0, 0.1), (-2.0, 0.0)])
+@pytest.mark.parametrize(("size", "load"), [(60.0, 0.1), (150.0, 0.75), (-2.0, 0.0)])
 def test_servo_answers_a_step_as_an_integration_of_its_own_does(size: float, load: float) -> None:
-    """A large step runs into speed, voltage and current; a small one into none of them."""
-    demand = np.full(300, size)
+    """A large step runs into current and speed, against a heavy load into the voltage; a small one into none of
+    them."""
+    demand = np.full(900 if load > 0.5 else 300, size)
     here, there = servo_run(demand, load)[:, 0], integrated_run(demand, load)
     assert np.abs(here - there).max() < SERVO_TOLERANCE * abs(size)
     assert here[-1] == pytest.approx(size, rel=0.02)
@@ -193,6 +194,16 @@ def test_a_locked_motor_stays_and_the_driver_steers_by_the_gear() -> None:
     moved = np.diff(run["pinion_angle"][held]) - np.diff(run["steering_wheel"][held]) / NUMBERS.wheel_ratio
     assert np.abs(moved).max() < EXACT
     assert np.abs(run["path_error"][held]).max() < 0.1
+
+
+def test_the_pin_holds_whatever_pulls_and_without_current_the_motor_gives_way() -> None:
+    """A moment twenty times a hard turn's, above what friction holds."""
+    for lock, stays in ((0.0, True), (0.5, False)):
+        unit, state = steering_unit(NUMBERS, True, STEP, lock), steering_state(0.0)
+        for k in range(200):
+            advance(unit, state, 0.0, 2e4, NUMBERS.lock_delay + k * STEP, STEP)
+        assert (state.motor[motor.ANGLE] == 0.0) == stays
+        assert stays or state.motor[motor.ANGLE] > 1.0  # a moment to the left turns to the left
 
 
 def test_locked_from_the_start_it_is_a_plain_steering() -> None:

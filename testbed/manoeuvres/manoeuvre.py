@@ -72,14 +72,14 @@ def wandering_speed(
     return speed_plan(time, level, duration)
 
 
-def curvature_path(curvature: ArrayLike) -> NDArray[np.float64]:
-    """Path x, y, heading, curvature from the curvature [1/m] at every PATH_STEP, shape (n,) -> (n, 4)."""
+def curvature_path(curvature: ArrayLike, step: float = PATH_STEP) -> NDArray[np.float64]:
+    """Path x, y, heading, curvature from the curvature [1/m] at every `step` [m], shape (n,) -> (n, 4)."""
     bend = np.asarray(curvature, float)
     middle = 0.5 * (bend[1:] + bend[:-1])
-    heading = np.concatenate([[0.0], np.cumsum(middle) * PATH_STEP])
+    heading = np.concatenate([[0.0], np.cumsum(middle) * step])
     half = 0.5 * (heading[1:] + heading[:-1])
-    x = np.concatenate([[0.0], np.cumsum(np.cos(half)) * PATH_STEP])
-    y = np.concatenate([[0.0], np.cumsum(np.sin(half)) * PATH_STEP])
+    x = np.concatenate([[0.0], np.cumsum(np.cos(half)) * step])
+    y = np.concatenate([[0.0], np.cumsum(np.sin(half)) * step])
     return np.stack([x, y, heading, bend], axis=1)
 
 

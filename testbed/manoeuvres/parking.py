@@ -12,7 +12,7 @@ from testbed.manoeuvres.manoeuvre import PATH_STEP, Manoeuvre, curvature_path, d
 
 RADIUS = 5.5  # m: a road-wheel angle of 27 deg
 FASTEST = 12.0 / 3.6  # m/s: 2 m/s^2 sideways
-TRANSITION, STRAIGHT, LEAD_IN = 2.5, 2.0, 1.0  # m
+TRANSITION, STRAIGHT, LEAD_IN = 3.0, 2.0, 1.0  # m
 
 
 class Parking(Manoeuvre):

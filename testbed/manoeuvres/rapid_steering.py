@@ -16,6 +16,7 @@ PERIOD, EVERY = 2.4, 5.0  # s of one left-right cycle, and from one to the next
 LARGEST_LATERAL = 4.0  # m/s^2
 TIGHTEST = 8.0  # m: a road-wheel angle of 19 deg
 LEAD_IN = 5.0  # m
+FINENESS = 15  # steps of the path in a transition
 TRANSITION = 0.2  # s from one curvature to the other
 
 
@@ -25,8 +26,10 @@ class RapidSteering(Manoeuvre):
 
     def plan(self, speed: float, duration: float) -> Plan:
         way = max(speed, 1.0)
-        along = np.arange(0.0, speed * (duration + 5.0) + 100.0, PATH_STEP)
+        step = min(TRANSITION * way / FINENESS, PATH_STEP)
+        along = np.arange(0.0, speed * (duration + 5.0) + 100.0, step)
         cycle = np.minimum(np.mod(np.maximum(along - LEAD_IN, 0.0), EVERY * way) / (PERIOD * way), 1.0)
         swing = np.clip(np.sin(2.0 * np.pi * cycle) * PERIOD / (np.pi * TRANSITION), -1.0, 1.0)
         radius = max(speed**2 / LARGEST_LATERAL, TIGHTEST)
-        return driven(*speed_plan([0.0], [speed], duration), curvature_path(swing / radius))
+        plan = driven(*speed_plan([0.0], [speed], duration), curvature_path(swing / radius, step))
+        return plan._replace(path_step=step)

@@ -24,7 +24,7 @@ SENSOR = "steering/motor_angle"
 def loop_fault(faults: Iterable[str], seed: int, duration: float) -> LoopFault:
     """faults: texts, as of a drive, those of other sensors left out; seed: of the drive; duration [s]. ValueError in
     one line for a kind that the control cannot be fed with."""
-    time = np.arange(round(duration / PERIOD) + 1) * PERIOD
+    time = np.arange(round(duration / PERIOD) + 1, dtype=np.float64) * PERIOD
     scale, offset, hold = np.ones(len(time)), np.zeros(len(time)), np.zeros(len(time))
     for text in faults:
         fault = parse_fault(text)
