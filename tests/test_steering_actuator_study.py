@@ -16,7 +16,7 @@ from testbed.study.steering_actuator.heard import Heard
 from testbed.study.steering_actuator.paper import SCENARIOS, Printed, smallest_constant, tables
 from testbed.study.steering_actuator.scenarios import SET_A
 from testbed.study.steering_actuator.steering_actuator import SteeringActuatorStudy, smallest
-from testbed.study.steering_actuator.trials import LATE, NAMES, SERVO_MODEL, sizes_found, table
+from testbed.study.steering_actuator.trials import KINDS, LATE, NAMES, SERVO_MODEL, sizes_found, table
 from testbed.study.steering_actuator.work import judged
 from tests.steering_servo import cells, log
 
@@ -53,8 +53,8 @@ def test_trials_find_what_is_there_when_it_is_there(drive: Heard) -> None:
     late = found["slope_500"]["CUSUM"][0]
     assert 5.0 < late < 10.0
     sizes = sizes_found(drive, fits, tuned)
-    assert 3000.0 in sizes["AC"]["rated"]
-    assert set(sizes["AC"]) == {"rated", "late", "tuned"}
+    assert 3000.0 in sizes["AC"]["tuned"]
+    assert set(sizes["AC"]) == set(KINDS)
     assert LATE == 5.0
 
 
@@ -73,16 +73,16 @@ def test_the_table_counts_what_the_rows_say(drive: Heard) -> None:
     known, tuned = Calibration.from_json(identified()["steering_actuator"]), identified_monitors()
     case = judged(SET_A[0], drive, known, tuned, 0)
     cases = [{**case, "name": one.name} for one in SET_A]
-    for kind in ("rated", "late", "tuned"):
+    for kind in KINDS:
         for one in cases:
             one["sizes"][SERVO_MODEL][kind] = [10.0, 20.0]
     row = {"found": json.dumps({"cases": cases, "gaussian": measured(drive.error_deg), "example": {}})}
     rows = {row.name: row for row in SteeringActuatorStudy().table([row])}
-    assert smallest({"cases": cases}, SERVO_MODEL, "rated") == 10.0
+    assert smallest({"cases": cases}, SERVO_MODEL, "on_b") == 10.0
     assert rows["servo_model.smallest_constant_error_deg"].here == 10.0
     assert rows["servo_model.smallest_constant_error_deg"].limit == 20.0
     assert rows["hours"].here == pytest.approx(10 * len(drive.demand) / 360000.0)
-    assert rows["double_LGCUSUM.smallest_constant_error_as_tuned_deg"].paper == 100.0
+    assert rows["double_LGCUSUM.smallest_constant_error_after_the_thesis_sets_deg"].paper == 100.0
     assert rows["slope_500.CUSUM.found"].here == 10.0
     assert rows["slope_500.CUSUM.found"].paper == 10.0
     assert set(SteeringActuatorStudy().figures([row])) == {

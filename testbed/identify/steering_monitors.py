@@ -2,7 +2,7 @@
 
 Of each method the numbers by its rule (`estimators.steering_actuator.tuning`), after set A, or B for the last but one,
 of TUNED repetitions of the tuning drives; errors to find are those of the thesis, on set A. Beside them the project's
-own way: `rated`, numbers after set B for every method, and `level`, the factor on all their thresholds at which set B
+own way: `on_b`, numbers after set B for every method, and `level`, the factor on all their thresholds at which set B
 has one false alarm in 100 h, from the tail of the method's statistic on all repetitions (`exponential_tail`).
 """
 
@@ -34,7 +34,7 @@ Array = NDArray[np.float64]
 
 
 def document(drives: Iterable[tuple[int, Case, Heard]] | None = None) -> dict[str, Any]:
-    """By method: `numbers` of each residual, `rated` and `level`. JSON values."""
+    """By method: `numbers` of each residual, `on_b` and `level`. JSON values."""
     heard = list(tuning_drives() if drives is None else drives)
     sound = {"A": [], "B": []}  # type: dict[str, list[Array]]
     faulty: list[Array] = []
@@ -51,7 +51,7 @@ def document(drives: Iterable[tuple[int, Case, Heard]] | None = None) -> dict[st
     for method in METHODS:
         numbers = tuned(method, sound[method.tuned_on], faulty)
         on_b = numbers if method.tuned_on == "B" else tuned(method, sound["B"], faulty)
-        found[method.name] = {"numbers": numbers, "rated": on_b, "level": level(method, on_b, everything)}
+        found[method.name] = {"numbers": numbers, "on_b": on_b, "level": level(method, on_b, everything)}
     return found
 
 
