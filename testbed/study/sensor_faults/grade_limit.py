@@ -82,9 +82,10 @@ def limit(by_class: Mapping[str, NDArray[np.float64]], bias: float, hours: float
     """Share [-] of steps that the best detector finds within the second, over all windows; None without enough of them.
     by_class: windows (n, PAST + NOW) of each road class; hours: between its false alarms."""
     threshold = float(norm.isf(0.5 / (hours * 3600.0)))
-    found = [
-        (len(w), float(norm.cdf(ratio(np.cov(w - w.mean(axis=1, keepdims=True), rowvar=False), bias, cells) - threshold)))
-        for w in by_class.values() if len(w) > 2 * (PAST + NOW)
-    ]  # fmt: skip
+    found = []
+    for w in by_class.values():
+        if len(w) > 2 * (PAST + NOW):
+            covariance = np.cov(w - w.mean(axis=1, keepdims=True), rowvar=False)
+            found.append((len(w), float(norm.cdf(ratio(covariance, bias, cells) - threshold))))
     total = sum(n for n, _ in found)
     return sum(n * share for n, share in found) / total if total else None

@@ -2,8 +2,8 @@
 
 Row: manoeuvre, road, hours; alarms: time [s] and text, on the sound drive; trials: as of `cases.trial`, with the speed
 [m/s] and the share of the watched time in which the engine drives; published: false alarms of the seed's own
-thresholds; grade: windows of `grade_limit`; and of repetition 0, on an even road, its Table 1, the rated candidates for Tables 3 and 4, the curves of
-Figure 15."""
+thresholds; grade: windows of `grade_limit`; and of repetition 0, on an even road, its Table 1, the rated candidates for
+Tables 3 and 4, the curves of Figure 15."""
 
 from __future__ import annotations
 
