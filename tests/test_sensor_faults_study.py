@@ -7,11 +7,13 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.stats import norm
 
 from testbed.campaign.parts import Parts
 from testbed.study.registry import find_study
 from testbed.study.sensor_faults.cases import BAR
 from testbed.study.sensor_faults.drives import scenario
+from testbed.study.sensor_faults.grade_limit import NOW, PAST, limit, ratio
 from testbed.study.sensor_faults.paper import broken
 
 
@@ -65,3 +67,15 @@ def test_the_papers_faults_are_on_one_source_for_part_of_the_record() -> None:
         assert np.allclose(off[where, 1], change[where])
         assert np.array_equal(off[: where.start], said[: where.start])
     assert (broken(said, "stuck", 1)[0][40:70, 1] == said[39, 1]).all()
+
+
+def test_the_limit_of_a_white_residual_is_that_of_a_mean_against_a_line() -> None:
+    """Closed form: PAST and NOW white cells, level and slope unknown, is a regression of three columns."""
+    step = (np.arange(PAST + NOW) >= PAST).astype(float)
+    design = np.column_stack([np.ones(PAST + NOW), np.arange(PAST + NOW), step])
+    std = 0.1 * np.sqrt(np.linalg.inv(design.T @ design)[2, 2])
+    assert ratio(0.01 * np.eye(PAST + NOW), 0.3) == pytest.approx(0.3 / std, rel=1e-3)
+    white = 0.1 * np.random.default_rng(0).standard_normal((20000, PAST + NOW))
+    expected = norm.cdf(0.3 / std - norm.isf(0.5 / 36000.0))
+    assert limit({"A": white}, 0.3, 10.0) == pytest.approx(expected, abs=0.05)
+    assert limit({"A": white[:10]}, 0.3, 10.0) is None

@@ -105,6 +105,9 @@ def test_study_draws_figures_that_are_pictures(told):
     for file in first.figures:
         assert file.parent == folder
         assert file.read_bytes().startswith(b"\x89PNG")
+    for file in first.pages:
+        assert file.parent == folder
+        assert file.read_text().startswith("<!DOCTYPE html>")
 
 
 def test_study_reuses_every_finished_task_and_says_the_same(told):

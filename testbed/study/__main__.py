@@ -71,6 +71,8 @@ def _print_outcome(console: Console, study: Study, outcome: Outcome) -> None:
     print_table(console, f"{study.name}: {study.about}", study.printed(outcome.table))
     for file in outcome.figures:
         console.print(f"figure {file}", highlight=False)
+    for file in outcome.pages:
+        console.print(f"page {file}", highlight=False)
     console.print(
         f"{outcome.runs} runs, {outcome.tasks} tasks ({outcome.reused} reused, {outcome.failed} failed), "
         f"{outcome.wall:.0f} s", highlight=False,

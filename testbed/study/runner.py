@@ -22,7 +22,7 @@ DOTS_PER_INCH = 150
 @dataclass(frozen=True)
 class Outcome:
     """runs: repetitions; tasks, reused, failed: their tasks, those found finished, those whose work raised an error;
-    errors: different ones, in one line each; table; figures: files, pages too; objections; wall: time it took [s]."""
+    errors: different ones, in one line each; table; figures, pages: files; objections; wall: time it took [s]."""
 
     study: str
     runs: int
@@ -32,6 +32,7 @@ class Outcome:
     errors: list[str]
     table: list[StudyRow]
     figures: list[Path]
+    pages: list[Path]
     objections: list[str]
     wall: float
 
@@ -70,12 +71,12 @@ def run_study(
         raise ValueError(f"study {study.name}: no run could be done: {errors[0] if errors else 'there is none'}")
     return Outcome(
         study.name, runs, len(every), found[0], len(every) - len(good), errors, study.table(good),
-        _drawn(study, good, folder), study.objections(good), time.perf_counter() - start,
+        _drawn(study, good, folder), _told(study, good, folder), study.objections(good), time.perf_counter() - start,
     )  # fmt: skip
 
 
 def _drawn(study: Study, rows: list[Row], folder: Path) -> list[Path]:
-    """Files of the study's figures and pages. No screen is needed."""
+    """Files of the study's figures. No screen is needed."""
     files = []
     with mpl.rc_context({"font.size": 9.0, "axes.grid": True, "grid.alpha": 0.3}):
         for name, figure in study.figures(rows).items():
@@ -83,7 +84,13 @@ def _drawn(study: Study, rows: list[Row], folder: Path) -> list[Path]:
             picture = io.BytesIO()
             figure.savefig(picture, format="png", dpi=DOTS_PER_INCH)
             write_whole(files[-1], picture.getvalue())
-        for name, page in study.pages(rows).items():
-            files.append(folder / f"{name}.html")
-            write_whole(files[-1], page.encode())
+    return files
+
+
+def _told(study: Study, rows: list[Row], folder: Path) -> list[Path]:
+    """Files of the study's pages."""
+    files = []
+    for name, page in study.pages(rows).items():
+        files.append(folder / f"{name}.html")
+        write_whole(files[-1], page.encode())
     return files

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from estimators.redundancy.numbers import HOURS
+from estimators.redundancy.numbers import HOURS, SOURCES
 from estimators.redundancy.published import Parameters
 from estimators.redundancy.tuning import ERROR, FALSE_ALARM, Candidate
 from estimators.scores.detection import detection_times
@@ -23,6 +23,7 @@ from estimators.scores.survival import event_curve
 from testbed.study.sensor_faults import paper, work
 from testbed.study.sensor_faults.cases import BAR, OTHERS, WATCH
 from testbed.study.sensor_faults.drives import DURATION, SMALL_DURATION, scenario
+from testbed.study.sensor_faults.grade_limit import NOW, PAST, limit
 from testbed.study.study import Row, Study, StudyRow, Task
 
 if TYPE_CHECKING:
@@ -55,7 +56,7 @@ class SensorFaultsStudy(Study):
         ]
 
     def table(self, rows: Sequence[Row]) -> list[StudyRow]:
-        return [*_false_alarms(rows), *_bar(rows), *_missed(rows), *_published(rows), *_paper(rows)]
+        return [*_false_alarms(rows), *_bar(rows), *_grade(rows), *_missed(rows), *_published(rows), *_paper(rows)]
 
     def figures(self, rows: Sequence[Row]) -> Mapping[str, Figure]:
         from testbed.study.sensor_faults.figures import figures  # matplotlib, only where something is drawn
@@ -108,6 +109,19 @@ def _bar(rows: Sequence[Row]) -> Iterator[StudyRow]:
     yield StudyRow.of(f"isolated_within_1s_{BAR[0].name}_engine_drives", "%", share(driving), limit=95.0, scale=100.0)
     errors = [t["error"] for row in rows for t in row["trials"] if t["delay"] is None]
     yield StudyRow("max_undetected_error_mps2", "m/s^2", here=max(errors, default=0.0))
+
+
+def _grade(rows: Sequence[Row]) -> Iterator[StudyRow]:
+    """What any detector could find of the accelerometer's bias within the second, and in what is left of it once late
+    samples have been waited for."""
+    by_class: dict[str, list[list[float]]] = {}
+    for row in rows:
+        by_class.setdefault(row["road"], []).extend(row.get("grade", ()))
+    found = {road: np.array(w).reshape(-1, PAST + NOW) for road, w in by_class.items()}
+    for name, cells in (("limit", NOW), ("limit_less_latency", NOW - 1)):
+        share_found = limit(found, 0.3, HOURS * SOURCES, cells)
+        here = None if share_found is None else 100.0 * share_found
+        yield StudyRow(f"{name}_accelerometer_bias_0p3", "%", here=here)
 
 
 def _missed(rows: Sequence[Row]) -> Iterator[StudyRow]:

@@ -2,8 +2,8 @@
 
 Row: manoeuvre, road, hours; alarms: time [s] and text, on the sound drive; trials: as of `cases.trial`, with the speed
 [m/s] and the share of the watched time in which the engine drives; published: false alarms of the seed's own
-thresholds; and of repetition 0, on an even road, its Table 1, the rated candidates for Tables 3 and 4, the curves of
-Figure 15."""
+thresholds; grade: windows of `grade_limit`; and of repetition 0, on an even road, its Table 1, the rated candidates for
+Tables 3 and 4, the curves of Figure 15."""
 
 from __future__ import annotations
 
@@ -18,6 +18,7 @@ from testbed.scenario import Scenario
 from testbed.study.sensor_faults import paper
 from testbed.study.sensor_faults.cases import BAR, OTHERS, WATCH, trial
 from testbed.study.sensor_faults.drives import Stretch, driven
+from testbed.study.sensor_faults.grade_limit import windows
 
 WARM_UP, EVERY = 30, 12  # s from the start to the first trial, and between two
 SMALL_WARM_UP = 14  # s
@@ -46,6 +47,7 @@ def run(task: dict[str, Any]) -> dict[str, Any]:
     row = {
         "manoeuvre": asked.manoeuvre, "road": asked.road, "hours": asked.duration / 3600.0, "alarms": alarms,
         "trials": trials, "published": paper.false_alarms(paper.record(drive)),
+        "grade": windows(drive.stretches, Car()).round(4).tolist(),
     }  # fmt: skip
     return row | (_paper(asked, small) if task["number"] == 0 else {})
 
