@@ -41,6 +41,7 @@ from estimators.grid_blocks import GridBlocks
 from estimators.quarter_car.quarter_car import quarter_masses
 from estimators.quarter_car.tyre_law import TyreLaw
 from estimators.vertical_pressure.bank import QUIET
+from estimators.vertical_pressure.corner import TYRES, expected_pressure
 from estimators.vertical_pressure.intake import BLOCK
 
 SAY = 2  # blocks from one estimate to the next
@@ -77,23 +78,37 @@ class Axles(Estimator):
         self._heard = np.zeros(len(CHANNELS), dtype=bool)
         self._next: int | None = None
         self._identified: Identified | None = None
+        self._told: dict[str, Any] = {}
         self._start(maker_axles(car), {})
 
-    def _start(self, known: Identified, sound: Mapping[str, tuple[float, float]]) -> None:
+    def _start(
+        self,
+        known: Identified,
+        sound: Mapping[str, tuple[float, float]],
+        expected: tuple[float, float] | None = None,
+    ) -> None:
+        """expected: mean and std of the pressures before anything was heard [Pa], where they are told."""
         self._known = known
+        pressure = self.car.pressure if expected is None else expected[0]
         self._watches = [Watch(sound.get(name)) for name in SIDES]
         self._commons = [Monitor(CusumMean(COMMON_DRIFT, COMMON_THRESHOLD, "both"), "restart") for _ in SIDES]
         self._moved = [False, False]
-        usual = [float(np.log(self._law.stiffness_at(self.car.pressure, USUAL_SPEED, load))) for load in self._loads]
-        self._sides = [Side(known, np.array([usual[s], usual[2 + s]]), PRIOR_STD) for s in range(2)]
+        usual = [float(self._law.stiffness_at(pressure, USUAL_SPEED, load)) for load in self._loads]
+        std = PRIOR_STD
+        if expected is not None:
+            slopes = [float(self._law.pressure_std(k, USUAL_SPEED, n)) for k, n in zip(usual, self._loads, strict=True)]
+            std = expected[1] / float(np.mean(slopes))  # of ln k
+        self._sides = [Side(known, np.log([usual[s], usual[2 + s]]), std) for s in range(2)]
         self._intakes = [SideIntake(known.axles.wheelbase) for _ in range(2)]
         self._motions: list[Motion] = []
 
     def use_calibration(self, document: Mapping[str, Any]) -> None:
-        """The identified axles, see `calibration`, and under `sound` what this car's differences were."""
+        """The identified axles, see `calibration`; under `sound` what this car's differences were; under `tyres`, where
+        more is known than that they are in use, what is expected of their pressure (`vertical_pressure.corner`)."""
         sound = sound_from(document.get(SOUND, {}))
         self._identified = from_document(document)
-        self._start(self._identified, sound)
+        self._told = {TYRES: dict(document[TYRES])} if TYRES in document else {}
+        self._start(self._identified, sound, expected_pressure(self.car, document) if self._told else None)
 
     def calibration(self) -> dict[str, Any] | None:
         """The axles it was given, which are identified at known pressures, and the differences that it has learnt, of
@@ -102,7 +117,7 @@ class Axles(Estimator):
             return None
         known = {name: watch.learnt for name, watch in zip(SIDES, self._watches, strict=True)}
         learnt = {name: list(pair) for name, pair in known.items() if pair is not None}
-        return to_document(self._identified) | ({SOUND: learnt} if learnt else {})
+        return to_document(self._identified) | self._told | ({SOUND: learnt} if learnt else {})
 
     def update(self, samples: Mapping[str, Signal], until: float) -> Outputs:
         """See `Estimator.update`."""
