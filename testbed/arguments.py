@@ -140,8 +140,8 @@ def drive_parser() -> Parser:
     add(
         "--road",
         default=defaults.road,
-        help="ISO 8608 class A to H, a sequence A:200,D:300 (metres), gd=5e-5 (m^3), flat, an OpenCRG "
-        "file .crg or a profile .txt with x z (default %(default)s)",
+        help="ISO 8608 class A to H, a sequence A:200,D:300 (metres), gd=5e-5 (m^3), gd=5e-5^2.5 (of slope "
+        "-2.5 in place of -2), flat, an OpenCRG file .crg or a profile .txt with x z (default %(default)s)",
     )
     add("--speed", default="80", help="km/h, 0 to 200 (default %(default)s)")
     add("--duration", default="60", help="s, 0.01 to 86400 (default %(default)s)")

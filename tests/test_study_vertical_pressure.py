@@ -15,6 +15,7 @@ from estimators.car import AXLES, Car
 from estimators.drive_log import WHEELS
 from estimators.quarter_car.bound import Setting, relative_stiffness_std
 from estimators.quarter_car.road_shape import class_spectrum
+from testbed.roads.iso8608 import KIND
 from testbed.roads.spectrum import octave_means, periodogram
 from testbed.scenario import Scenario
 from testbed.study.study import StudyRow
@@ -22,10 +23,10 @@ from testbed.study.vertical_pressure import changes, errors
 from testbed.study.vertical_pressure.limits import linear_quarter
 from testbed.study.vertical_pressure.listening import drive, last_said
 from testbed.study.vertical_pressure.published import words_of
-from testbed.study.vertical_pressure.tasks import EACH, LEVELS, SPEEDS, nearest_class, tasks
+from testbed.study.vertical_pressure.tasks import EACH, LEVELS, SPEEDS, nearest_class, tasks, wavy_road
 from testbed.study.vertical_pressure.told import CAR_FIELDS, HIGHEST, LAW_ERROR, LOWEST, TOLD_ERROR, right, wrong
 from testbed.study.vertical_pressure.vertical_pressure import VerticalPressureStudy
-from testbed.study.vertical_pressure.waviness import profile, settled, waviness_of
+from testbed.study.vertical_pressure.waviness import settled, waviness_of
 from testbed.study.vertical_pressure.work import FINE, work
 
 ROAD = Path("road.txt")
@@ -157,15 +158,26 @@ def test_a_road_steeper_than_believed_reads_as_a_softer_tyre_and_a_believed_one_
     assert relative_stiffness_std(bound, 10.0, waviness_std=math.inf) > 1.3 * relative_stiffness_std(bound, 10.0)
 
 
-def test_profile_has_its_waviness_and_class_b_s_level_where_level_and_slope_part() -> None:
+def test_wavy_road_falls_as_told_and_is_class_b_where_level_and_slope_part() -> None:
+    """Mean spectrum of eight tracks of an isotropic surface, by octaves from 0.08 to 2.6 cycle/m."""
     for waviness in (1.8, 3.0):
-        x, z = profile(waviness, 3, 1600.0)
-        n, power = periodogram(z, float(x[1] - x[0]))
-        low, level = octave_means(n, power, 0.04, 5.12)
-        slope, at = np.polyfit(np.log(low * math.sqrt(2.0) * 2.0 * math.pi / 4.0), np.log(level), 1)
-        assert -slope == pytest.approx(waviness, abs=0.1)
-        wanted = class_spectrum("B") / 16.0 * 2.0 * math.pi
-        assert at == pytest.approx(math.log(wanted), abs=0.15)  # means of octaves of a steep spectrum
+        road = KIND.build(wavy_road(waviness), 3, 1600.0)
+        tracks = road.heights(0.05 * np.arange(32000), np.arange(0.0, 32.0, 4.0))
+        spectra = [periodogram(z, 0.05) for z in tracks]
+        low, level = octave_means(spectra[0][0], np.mean([power for _, power in spectra], axis=0), 0.08, 2.56)
+        n = np.array(
+            [
+                np.mean(o[(o >= a) & (o < 2.0 * a)] ** -waviness) ** (-1.0 / waviness)
+                for a in low
+                for o in [spectra[0][0]]
+            ]
+        )
+        slope, at = np.polyfit(np.log(n * 2.0 * math.pi / 4.0), np.log(level), 1)
+        assert -slope == pytest.approx(waviness, abs=0.05)
+        assert at == pytest.approx(math.log(class_spectrum("B") / 16.0 * 2.0 * math.pi), abs=0.1)
+    for text in ("gd=1e-5^9", "gd=1e-5^", "A:20,gd=1e-5^2.5"):
+        with pytest.raises(ValueError, match="waviness must be 1 to 4"):
+            KIND.build(text, 0, 100.0)
 
 
 def test_waviness_of_a_profile_is_the_one_it_was_made_with(tmp_path: Path) -> None:

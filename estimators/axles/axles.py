@@ -42,7 +42,7 @@ from estimators.quarter_car.gravity import GravityCheck, not_gravity
 from estimators.quarter_car.quarter_car import quarter_masses
 from estimators.quarter_car.tyre_law import TyreLaw
 from estimators.vertical_pressure.bank import QUIET
-from estimators.vertical_pressure.corner import expected_pressure
+from estimators.vertical_pressure.corner import TYRES, expected_pressure
 from estimators.vertical_pressure.intake import BLOCK
 
 SAY = 2  # blocks from one estimate to the next
@@ -79,6 +79,7 @@ class Axles(Estimator):
         self._heard = np.zeros(len(CHANNELS), dtype=bool)
         self._next: int | None = None
         self._identified: Identified | None = None
+        self._told: dict[str, Any] = {}
         self._start(maker_axles(car), {}, expected_pressure(car, {}))
 
     def _start(
@@ -109,6 +110,7 @@ class Axles(Estimator):
         what is expected of them, see `vertical_pressure.corner`."""
         sound, expected = sound_from(document.get(SOUND, {})), expected_pressure(self.car, document)
         self._identified = from_document(document)
+        self._told = {TYRES: dict(document[TYRES])} if TYRES in document else {}
         self._start(self._identified, sound, expected)
 
     def calibration(self) -> dict[str, Any] | None:
@@ -118,7 +120,7 @@ class Axles(Estimator):
             return None
         known = {name: watch.learnt for name, watch in zip(SIDES, self._watches, strict=True)}
         learnt = {name: list(pair) for name, pair in known.items() if pair is not None}
-        return to_document(self._identified) | ({SOUND: learnt} if learnt else {})
+        return to_document(self._identified) | self._told | ({SOUND: learnt} if learnt else {})
 
     def update(self, samples: Mapping[str, Signal], until: float) -> Outputs:
         """See `Estimator.update`."""

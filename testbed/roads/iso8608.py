@@ -27,8 +27,9 @@ from testbed.roads.road import ISO_SPACING, Array, Road, RoadKind, smoothstep
 from testbed.roads.tile_kernel import add_tile
 
 CLASSES = "ABCDEFGH"
-FORM = "A..H | flat | gd=5e-5 (m^3 at 0.1 cycle/m) | in sequence A:200,D:300 (m)"
+FORM = "A..H | flat | gd=5e-5 (m^3 at 0.1 cycle/m) | in sequence A:200,D:300 (m) | gd=5e-5^2.5 (alone; slope -2.5)"
 _GD_RANGE = (1e-8, 1.0)  # [m^3] from a polished floor to four times class H
+_WAVINESS_RANGE = (1.0, 4.0)
 _LONGEST_SECTION = 1e6  # [m]
 
 
@@ -66,6 +67,20 @@ def _number(text: str) -> float:
         return math.nan
 
 
+def parse_waviness(spec: str) -> tuple[str, float]:
+    """The spec without `^w`, and w: 2 where none is told. ValueError."""
+    plain, told, word = spec.partition("^")
+    if not told:
+        return spec, 2.0
+    waviness = _number(word)
+    low, high = _WAVINESS_RANGE
+    if "," in spec or not low <= waviness <= high:
+        raise ValueError(
+            f"road '{spec}': waviness must be {low:g} to {high:g}, of a road of one section, as gd=5e-5^2.5"
+        )
+    return plain, waviness
+
+
 def parse_sections(spec: str) -> tuple[Section, ...]:
     """Sections of `C` or `A:200,D:300`; every one but the last needs its length in metres."""
     sections, start = [], 0.0
@@ -88,16 +103,19 @@ def parse_sections(spec: str) -> tuple[Section, ...]:
 class IsoRoad(Road):
     """Sections of ISO 8608 roughness on one random field.
 
-    sections: in order of x, the first at 0; seed: of the field; length: [m] over which the field must not repeat.
+    sections: in order of x, the first at 0; seed: of the field; length: [m] over which the field must not repeat;
+    waviness: how steeply the spectrum falls.
     """
 
     spacing = ISO_SPACING
 
-    def __init__(self, name: str, sections: tuple[Section, ...], seed: int, length: float) -> None:
+    def __init__(
+        self, name: str, sections: tuple[Section, ...], seed: int, length: float, waviness: float = 2.0
+    ) -> None:
         self.name = name
         self.sections = sections
         seeds = [np.random.default_rng([seed, k]) for k in range(len(BANDS))]
-        self._tiles = [synthesise(band, length, rng) for band, rng in zip(BANDS, seeds, strict=True)]
+        self._tiles = [synthesise(band, length, rng, waviness) for band, rng in zip(BANDS, seeds, strict=True)]
         self._starts = np.array([section.start for section in sections[1:]])
         self._scales = np.sqrt([section.gd for section in sections])
 
@@ -137,9 +155,14 @@ def _recognises(spec: str) -> bool:
     return first.startswith("gd=") or first == "flat" or first.upper() in CLASSES or "," in spec or ":" in spec
 
 
+def _build(spec: str, seed: int, length: float) -> IsoRoad:
+    plain, waviness = parse_waviness(spec)
+    return IsoRoad(spec, parse_sections(plain), seed, length, waviness)
+
+
 KIND = RoadKind(
     form=FORM,
     example="A:200,D:300",
     recognises=_recognises,
-    build=lambda spec, seed, length: IsoRoad(spec, parse_sections(spec), seed, length),
+    build=_build,
 )

@@ -28,6 +28,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from scipy import fft
+from scipy.special import gamma
 
 from testbed.roads.road import ISO_SPACING, Array
 
@@ -104,8 +105,11 @@ def _spline_response(k: Array, step: float) -> Array:
     return np.sinc(k * step) ** 4
 
 
-def synthesise(band: Band, length: float, rng: np.random.Generator) -> Tile:
-    """Draws one tile of unit Gd(n0) [m^3]: Gaussian, at least `length * band.stretch` metres long."""
+def synthesise(band: Band, length: float, rng: np.random.Generator, waviness: float = 2.0) -> Tile:
+    """Draws one tile of unit Gd(n0) [m^3]: Gaussian, at least `length * band.stretch` metres long. waviness: w where
+    the spectrum falls with another slope than -2; then Phi is 2 / B (k / n0)^(2 - w) times the above, B = sqrt(pi)
+    Gamma(w / 2) / Gamma((w + 1) / 2), and the corners' gain is still that of slope -2 (5 % of the shortest octave)."""
+    flatter = 2.0 * gamma(0.5 * waviness + 0.5) / (np.sqrt(np.pi) * gamma(0.5 * waviness))
     rows = round(band.width / band.step)
     columns = fft.next_fast_len(2 * int(np.ceil(0.5 * length * band.stretch / band.step)), real=True)
     shift = round(columns * _GOLDEN)
@@ -128,7 +132,10 @@ def synthesise(band: Band, length: float, rng: np.random.Generator) -> Tile:
         ky = np.abs((ky + nyquist) % (2.0 * nyquist) - nyquist)
         k = np.maximum(np.hypot(kx, ky), 1e-6)
         across = np.interp(ky, gain_n, gain) if fine else 1.0 / _spline_response(ky, band.step) ** 2
-        spectrum[j] *= np.sqrt(along * across * _band_share(k, band) / (k * k * k))
+        power = along * across * _band_share(k, band) / (k * k * k)
+        if waviness != 2.0:
+            power *= flatter * (k / REFERENCE_WAVE_NUMBER) ** (2.0 - waviness)
+        spectrum[j] *= np.sqrt(power)
     spectrum = fft.ifft(spectrum, axis=0, norm="forward", overwrite_x=True)
     for j in range(rows):
         turns = (slide * j / rows) % 1.0

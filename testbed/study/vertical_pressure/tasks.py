@@ -28,6 +28,8 @@ import numpy as np
 
 from estimators.drive_log import WHEELS
 from estimators.quarter_car.road_shape import class_spectrum
+from estimators.quarter_car.roughness import REFERENCE
+from testbed.roads.iso8608 import class_gd
 from testbed.scenario import Scenario
 from testbed.study.study import Task, run_seed
 from testbed.study.vertical_pressure.axle_alarm import alarm_task
@@ -53,6 +55,12 @@ KINDS = ("classes", "levels", "short", "switch", "drop", "mass", "waviness", "me
 def gd_road(spectrum: float) -> str:
     """The scenario's word for a level G at 1 rad/m [m^3/rad]."""
     return f"gd={spectrum / (2.0 * math.pi * 0.01):.6g}"
+
+
+def wavy_road(waviness: float) -> str:
+    """Of one slope, as rough as class B at `roughness.REFERENCE` rad/m, where level and slope part."""
+    reference = REFERENCE / (2.0 * math.pi)  # cycle/m
+    return f"gd={class_gd('B') * (reference / 0.1) ** (waviness - 2.0):.6g}^{waviness:g}"
 
 
 def nearest_class(spectrum: float) -> str:
@@ -118,6 +126,6 @@ class _Repetition:
             )  # fmt: skip
             yield heavy | {"percent": percent}
         for i, waviness in enumerate(WAVINESSES[: 1 if self._small else None]):
-            yield self._one("waviness", 50 + i, "B", math.nan, WAVY_LONG) | {"waviness": waviness}
+            yield self._one("waviness", 50 + i, wavy_road(waviness), math.nan, WAVY_LONG) | {"waviness": waviness}
         if measured is not None:
             yield self._one("measured", 25, str(measured), math.nan, MEASURED_LONG, **shown)

@@ -19,8 +19,7 @@ Drives of the multibody car on roads, seeds and levels that no identification sa
     METHOD.waviness_X_bias_kpa         over roads of one other slope, see `waviness`; waviness_X.believer_bias_kpa: who
                                        believes in slope -2 there
 
-The bank is told that pressures lie between 130 and 230 kPa, by mean and std; `axles` begins at nominal pressure, 250
-kPa, give or take 18 % of stiffness, which is what it says in the first two seconds; the published filters begin at a
+Bank and `axles` are told that pressures lie between 130 and 230 kPa, by mean and std; the published filters begin at a
 draw of std 30 kN/m, 43 kPa, about the truth, as published. Their numbers for what the paper does not state (P_0, Q) are
 declared in `estimators/unscented_imm/settings.py`. In Figures 7 and 8 the paper's modes part; here they cannot: 3 % of
 each goes over into the others at every step of 1 ms.

@@ -7,19 +7,13 @@ the true one in the Kullback-Leibler sense (White, Econometrica 50, 1982),
 
 M, S: the model's and the true spectrum of the hub (`quarter_car.response`). A steeper road has less at the wheel's hop
 against what it has below, which looks like a softer tyre: rows `waviness_X.believer_bias_kpa`. What the estimators make
-of it is driven: `METHOD.waviness_X_bias_kpa` and `_rmse_kpa` after `tasks.WAVY_LONG` seconds over a profile (`profile`)
-of one slope, in both tracks alike, that is as rough as class B at `REFERENCE` wave number, where level and slope part.
-`bound_known_waviness.rmse_kpa_Xs`: the bound of who is told the slopes.
+of it is driven: `METHOD.waviness_X_bias_kpa` and `_rmse_kpa` after `tasks.WAVY_LONG` seconds over isotropic roads of
+one slope (`tasks.wavy_road`). `bound_known_waviness.rmse_kpa_Xs`: the bound of who is told the slopes.
 """
 
 from __future__ import annotations
 
-import dataclasses
-import math
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
-from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
@@ -31,11 +25,9 @@ from estimators.quarter_car.bound import Setting, pressure_std
 from estimators.quarter_car.quarter_car import quarter_masses
 from estimators.quarter_car.response import measured_spectrum
 from estimators.quarter_car.road_shape import class_spectrum
-from estimators.quarter_car.roughness import REFERENCE
 from estimators.quarter_car.tyre_law import TyreLaw
 from estimators.scores.interval import mean_interval
 from testbed.roads.profile import read_profile
-from testbed.roads.road import ISO_SPACING
 from testbed.roads.spectrum import octave_means, periodogram
 from testbed.scenario import Scenario
 from testbed.study.study import StudyRow
@@ -45,7 +37,6 @@ from testbed.study.vertical_pressure.listening import known
 from testbed.study.vertical_pressure.tasks import WAVINESSES
 from testbed.study.vertical_pressure.told import EXPECTED, EXPECTED_STD
 
-LONGEST = 91.0  # m, as ISO 8608's roads here
 SPEED, ROAD = 60.0 / 3.6, "B"
 BAND = (0.5, 28.0)  # Hz that the bank hears
 NOISE = 2.0 * 0.5**2 / 1000.0  # (m/s^2)^2/Hz
@@ -81,31 +72,6 @@ def waviness_of(path: str) -> float:
     n, power = periodogram(z, float(np.median(np.diff(x))))
     low, level = octave_means(n, power, *FITTED)
     return -float(np.polyfit(np.log(low), np.log(level), 1)[0])
-
-
-def profile(waviness: float, seed: int, length: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """x and z [m] every ISO_SPACING over a length [m]: Gaussian, of one slope from `LONGEST` waves on, class B's level
-    at `REFERENCE`."""
-    count = 2 ** math.ceil(math.log2(max(length, LONGEST) / ISO_SPACING))
-    n = np.fft.rfftfreq(count, ISO_SPACING)[1:]
-    omega = 2.0 * np.pi * n
-    level = class_spectrum(ROAD) * REFERENCE**-2.0 * (omega / REFERENCE) ** -waviness * 2.0 * np.pi  # m^3
-    level[n < 1.0 / LONGEST] = 0.0
-    rng = np.random.default_rng(seed)
-    wave = rng.standard_normal(len(n)) + 1j * rng.standard_normal(len(n))
-    amplitude = np.concatenate([[0.0], wave * np.sqrt(0.25 * level * count / ISO_SPACING)])
-    amplitude[-1] = 0.0
-    keep = round(length / ISO_SPACING)
-    return np.asarray(ISO_SPACING * np.arange(keep)), np.fft.irfft(amplitude, count)[:keep]
-
-
-@contextmanager
-def laid(scenario: Scenario, waviness: float) -> Iterator[Scenario]:
-    """The scenario on a profile of that waviness, of its own seed, which is there meanwhile."""
-    with TemporaryDirectory() as folder:
-        place = Path(folder) / f"waviness-{waviness:g}.txt"
-        np.savetxt(place, np.stack(profile(waviness, scenario.seed, scenario.speed * scenario.duration + 50.0), axis=1))
-        yield dataclasses.replace(scenario, road=str(place))
 
 
 def table(drives: Sequence[dict[str, Any]]) -> Iterator[StudyRow]:

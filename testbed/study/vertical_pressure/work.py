@@ -29,7 +29,7 @@ from testbed.study.vertical_pressure.limits_of_axles import bounds_of_axles
 from testbed.study.vertical_pressure.listening import ESTIMATORS, Heard, drive, last_said
 from testbed.study.vertical_pressure.published import METHODS as PUBLISHED
 from testbed.study.vertical_pressure.published import Words, words_of
-from testbed.study.vertical_pressure.waviness import laid, waviness_of
+from testbed.study.vertical_pressure.waviness import waviness_of
 
 NAMES = {"vertical_pressure": "bank", "axles": "axles"}
 SCORED = (*np.arange(0.5, 10.1, 0.5).tolist(), *np.arange(12.0, 60.1, 4.0).tolist())  # s
@@ -45,11 +45,7 @@ def work(task: Task) -> Row:
     if task["kind"] == "fit":
         return {"task": json.dumps(task), "found": json.dumps(fit(task["seed"]))}
     scenario = Scenario.from_notes(task["scenario"])
-    if task["kind"] == "waviness":
-        with laid(scenario, task["waviness"]) as wavy:
-            heard = drive(wavy)
-    else:
-        heard = drive(scenario, run_seed(task["seed"], 0, 1) if task["kind"] == "levels" else None)
+    heard = drive(scenario, run_seed(task["seed"], 0, 1) if task["kind"] == "levels" else None)
     return {"task": json.dumps(task), "found": json.dumps(_found(task, heard))}
 
 
