@@ -9,6 +9,7 @@ import pytest
 
 from estimators.car import Car
 from estimators.drive_log import Signal
+from estimators.vibration.estimator import VibrationEstimator
 from estimators.vibration.mode_frequency import NOISE_BAND, ModeFrequency
 from estimators.vibration.modes import ANTIPHASE, IN_PHASE
 from estimators.vibration.published.ar2 import (
@@ -273,6 +274,13 @@ def test_one_dead_encoder_leaves_the_other_wheels():
     last = [r for r in heard.readings if r.mode is ANTIPHASE and r.wheel == "fl"][-1]
     assert last.ln_std < 0.03
     assert abs(last.frequency - 86.0) < 3.0
+
+
+@pytest.mark.parametrize(("speed", "said_at"), [(5.0, [31.0] * 4), (22.0, [])])
+def test_a_wheel_is_missed_only_after_a_batch_without_a_mode(speed, said_at):
+    """Too slow for any mode is said once, 30 s after the first reading; a mode heard within them is never missed."""
+    said = VibrationEstimator(Car()).update(_log(speed, 40), 40.0)
+    assert [flag.time for flag in said.flags if "no mode is heard" in flag.text] == said_at
 
 
 def test_after_an_hour_of_silence_nothing_is_remembered():

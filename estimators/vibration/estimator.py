@@ -23,6 +23,7 @@ from estimators.vibration.vibration import READS, Vibration
 from estimators.vibration.wheel_vibration import Reading
 
 UNKNOWN = 0.5  # of the prior's std, from which a frequency counts as not heard
+PATIENCE = 30.0  # s that a wheel may take until it is first heard: a batch of the published method
 
 
 class VibrationEstimator(Estimator):
@@ -35,6 +36,7 @@ class VibrationEstimator(Estimator):
         super().__init__(car)
         self._vibration = Vibration(car)
         self._heard: dict[str, bool] = {}
+        self._listening: dict[str, float] = {}  # by wheel, since when [s]
 
     def use_calibration(self, document: Mapping[str, Any]) -> None:
         """Start from tooth rings learnt before."""
@@ -70,9 +72,13 @@ class VibrationEstimator(Estimator):
             best[key] = min(best.get(key, math.inf), r.ln_std / r.mode.frequency_std)
         flags = []
         for (wheel, time), share in best.items():
-            if share > UNKNOWN and self._heard.get(wheel, True):
+            since = self._listening.setdefault(wheel, time)
+            heard = share <= UNKNOWN
+            if wheel not in self._heard and not heard and time < since + PATIENCE:
+                continue
+            if not heard and self._heard.get(wheel, True):
                 flags.append(Flag(time, f"{wheel}: no mode is heard"))
-            self._heard[wheel] = share <= UNKNOWN
+            self._heard[wheel] = heard
         return flags
 
 
