@@ -51,6 +51,7 @@ USUAL_SPEED = 20.0  # m/s of the prior
 SIDES = ("left", "right")
 SOUND = "sound"  # of a calibration: d and its std by side
 ALARM_TEXT = "against the other tyre of its side; false alarms: one in 100 h"
+PATIENCE = 3.0  # s
 REOPENED = 0.12  # of ln k: what is forgotten once something has changed
 COMMON_DRIFT, COMMON_THRESHOLD = 0.5, 15.0  # CUSUM of the mean ln k of a side, for nothing but `REOPENED`
 _MS = 1e-3
@@ -92,6 +93,7 @@ class Axles(Estimator):
         self._expected = np.log(usual), pressure_std / np.array(slopes)
         self._commons = [Monitor(CusumMean(COMMON_DRIFT, COMMON_THRESHOLD, "both"), "restart") for _ in SIDES]
         self._moved = [False, False]
+        self._waits: dict[int, tuple[str, float]] = {}  # alarms by side, and the time [s] after which they wait no more
         self._sides, self._watches = [self._side(s) for s in range(2)], [self._watch(s) for s in range(2)]
         self._intakes = [SideIntake(known.axles.wheelbase) for _ in range(2)]
         self._gravity = [GravityCheck(_SECONDS) for _ in WHEELS]
@@ -145,6 +147,15 @@ class Axles(Estimator):
                 self._sides[s], self._watches[s] = self._side(s), self._watch(s)
         return fine
 
+    def _warn(self, s: int, fine: bool, time: float, alarms: list[Alarm]) -> None:
+        """An alarm that is due, unless a hub's sensor is in doubt: then it waits, and falls with the sensor."""
+        if (due := self._waits.pop(s, None)) is None or not fine:
+            return
+        if (self._gravity[s].doubted or self._gravity[2 + s].doubted) and time < due[1]:
+            self._waits[s] = due
+        else:
+            alarms.append(Alarm(time, f"low pressure {ALARM_TEXT}", (due[0],)))
+
     def _step(self, block: int, values: NDArray[np.float64], alarms: list[Alarm], flags: list[Flag]) -> None:
         missed = 0 if self._next is None else block - self._next
         self._next = block + 1
@@ -159,12 +170,14 @@ class Axles(Estimator):
             fine = self._believed(s, values, (block + 1) * _SECONDS, flags)
             if not fine or not SLOWEST <= float(speed.min()) <= float(speed.max()) <= FASTEST:
                 self._intakes[s].skip()
+                self._warn(s, fine, (block + 1) * _SECONDS, alarms)
                 continue
             window = self._intakes[s].block(values[:, s], values[:, 2 + s], speed)
             if window is not None and np.mean(window**2, axis=0).min() > QUIET:  # else the sensors hear themselves
-                self._take(s, window, (block + 1) * _SECONDS, alarms)
+                self._take(s, window, (block + 1) * _SECONDS)
+            self._warn(s, fine, (block + 1) * _SECONDS, alarms)
 
-    def _take(self, s: int, window: NDArray[np.float64], time: float, alarms: list[Alarm]) -> None:
+    def _take(self, s: int, window: NDArray[np.float64], time: float) -> None:
         wheelbase, side, watch = self._known.axles.wheelbase, self._sides[s], self._watches[s]
         speed = float(np.mean([m.speed[s].mean() for m in self._motions]))
         acceleration = float(np.mean([m.acceleration for m in self._motions]))
@@ -174,8 +187,7 @@ class Axles(Estimator):
         alone = side.take(spectrum(window), speed, stretch(speed, acceleration, wheelbase), gamma)
         lost = watch.step(*alone.difference, acceleration, _SECONDS)
         if lost is not None:
-            wheel = WHEELS[s if lost == FRONT_LOST else 2 + s]
-            alarms.append(Alarm(time, f"low pressure {ALARM_TEXT}", (wheel,)))
+            self._waits[s] = (WHEELS[s if lost == FRONT_LOST else 2 + s], time + PATIENCE)
         if watch.moved and not self._moved[s]:
             side.forget(REOPENED)
         self._moved[s] = watch.moved

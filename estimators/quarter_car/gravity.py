@@ -20,6 +20,7 @@ MEMORY = 2.0  # s
 LIMIT = 1.1  # m/s^2, declared: ten times the spread of such sensors' offsets
 SHARE = 0.15  # of the r.m.s. that is felt, declared
 BACK = 0.7
+DOUBT = 0.6  # of that, from which on an alarm waits for what becomes of it
 
 
 class GravityCheck:
@@ -29,6 +30,7 @@ class GravityCheck:
         self._keeps = math.exp(-seconds / MEMORY)
         self._off, self._square = 0.0, 0.0
         self.believed = True
+        self.doubted = False
 
     def block(self, value: NDArray[np.float64]) -> bool:
         """Takes a block, NaN where missing, shape (n,). Whether the sensor is believed now."""
@@ -40,6 +42,7 @@ class GravityCheck:
             self._square += (1.0 - self._keeps) * (float(np.mean(finite**2)) - self._square)
         most = max(LIMIT, SHARE * math.sqrt(max(self._square - self._off**2, 0.0)))
         self.believed = abs(self._off) < (most if self.believed else BACK * most)
+        self.doubted = abs(self._off) > DOUBT * most
         return self.believed
 
     @property

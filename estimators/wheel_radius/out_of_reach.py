@@ -2,7 +2,7 @@
 
 The residuals' filters are bounded, so a wheel off by 5 % moves them by little, and for long: as a loss of a few tenths
 of a per cent it would be told as a low tyre, or as the other ones'. Here each wheel's speed, over what the curve asks
-of it, stands against the median of the four; leaky mean over MEMORY. Beyond REACH off no pressure is told, nor for
+of it, stands against the median of the four; leaky mean over MEMORY, of what is driven without slipping as much (MOST_PULL). Beyond REACH off no pressure is told, nor for
 AFTER of readable driving thereafter, until the filters have forgotten. A mean tyre at zero pressure has lost 0.010 of
 its radius, the most sensitive 0.014 (`Car`). A wheel that has turned faster for FLAT_AFTER is a flat tyre or its
 sensor: an alarm says so, once; a spin does not last as long."""
@@ -18,6 +18,7 @@ from estimators.wheel_radius.motion import Motion
 REACH = 0.02  # [-] of radius, declared
 UNKNOWN_RADIUS = 0.1  # [-], std of a radius that is then told, declared
 SLOWEST = 3.0  # m/s
+MOST_PULL = 0.2  # force over load of an axle; at a slip slope of 20 a wheel slips 1 % there
 MEMORY, AFTER, FLAT_AFTER = 20, 300, 100  # cells of 0.1 s
 
 
@@ -35,6 +36,8 @@ class OutOfReach:
         """One cell."""
         even = motion.omega / motion.roll
         if np.isfinite(even).sum() < 3 or not np.nanmedian(even) * self._radius > SLOWEST:
+            return
+        if np.abs(motion.pull).max() > MOST_PULL:
             return
         off = even / np.nanmedian(even) - 1.0
         heard = np.isfinite(off)

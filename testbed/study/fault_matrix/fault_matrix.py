@@ -30,7 +30,7 @@ class FaultMatrixStudy(Study):
     name = "fault-matrix"
     about = "Each sensor, each kind of fault: who notices, how soon, and is the right sensor accused?"
     paper = "Own; the faults of seed 003 and those that cars have, all monitors of the project together."
-    runs = 6
+    runs = 10
 
     @property
     def work(self) -> Callable[[Task], Row]:
