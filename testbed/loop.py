@@ -33,9 +33,7 @@ from testbed.driver import (
 )
 from testbed.native import borrowed, call
 from testbed.roads.friction import friction_at
-from testbed.steering import active_steering, motor
-from testbed.steering.active_steering import SteeringState, SteeringUnit
-from testbed.steering.lock import fallen
+from testbed.steering.active_steering import WHEEL, SteeringState, SteeringUnit, superposed
 from testbed.suspension import Suspension, strut_force
 from testbed.tyre import contact
 from testbed.tyre.contact import TyreElement, sidewall_stiffness, torsional_stiffness, wheel_forces
@@ -221,25 +219,6 @@ def _torques(views, ix, c, s, time, speed, spins, drive, brake):
 
 
 @inlined
-def _superposed(unit, s, wanted, speed, time, step, row):
-    """Active steering, one step: what the road wheels get [rad] where the driver wants `wanted` [rad]."""
-    state = SteeringState(s.steering_motor, s.steering_control, s.steering_unit)
-    angle = active_steering.turn(unit, state, wanted, speed, time, step)
-    asked = active_steering.command(unit, state, time, s.clock[0] % unit.task == 0)
-    row[_STEERING] = state.unit[active_steering.WHEEL]
-    row[_MOTOR] = state.motor[motor.ANGLE]
-    row[_MOTOR + 1] = state.motor[motor.SPEED]
-    row[_MOTOR + 2] = unit.motor.torque_constant * state.motor[motor.CURRENT]
-    row[_MOTOR + 3] = state.unit[active_steering.DEMAND]
-    row[_MOTOR + 4] = state.unit[active_steering.PINION]
-    row[_MOTOR + 5] = angle
-    row[_MOTOR + 6] = 1.0 if fallen(unit.lock, time) else 0.0
-    moment = s.outputs[0, contact.MZ] + s.outputs[1, contact.MZ]
-    active_steering.advance(unit, state, asked, moment, time, step)
-    return angle
-
-
-@inlined
 def _chassis(views, ix, c, s, time, row):
     """Air drag, the wind's side force, and steering; returns the forward speed [m/s]."""
     vx, vy = views.qvel[0], views.qvel[1]
@@ -255,7 +234,10 @@ def _chassis(views, ix, c, s, time, row):
     angle = steer(c.driver, c.plan, s.driver, views.qpos[0], views.qpos[1], heading, speed, c.step)
     row[_STEERING] = angle * c.steering_ratio
     if c.active_steering.present:
-        angle = _superposed(c.active_steering, s, angle, speed, time, c.step, row)
+        state = SteeringState(s.steering_motor, s.steering_control, s.steering_unit)
+        moment, due = s.outputs[0, contact.MZ] + s.outputs[1, contact.MZ], s.clock[0] % c.active_steering.task == 0
+        angle = superposed(c.active_steering, state, angle, speed, moment, time, due, c.step, row[_MOTOR : _MOTOR + 7])
+        row[_STEERING] = s.steering_unit[WHEEL]
     else:
         for i in range(7):
             row[_MOTOR + i] = 0.0

@@ -143,3 +143,20 @@ def advance(unit, state, asked, moment, time, step):
     slope = 1.0 / (unit.gear.rack_ratio * math.cos(state.unit[ROAD_WHEELS]))
     load = -unit.reaction * moment * slope / unit.gear.motor_ratio
     motor_step(unit.motor, state.motor, asked, load, step)
+
+
+@inlined
+def superposed(unit, state, wanted, speed, moment, time, due, step, row):
+    """One step: what the road wheels get [rad] where the driver wants `wanted` [rad]. row: the trace's columns from
+    `motor_angle` to `motor_locked`, shape (7,), written; the rest as above."""
+    angle = turn(unit, state, wanted, speed, time, step)
+    asked = command(unit, state, time, due)
+    row[0] = state.motor[machine.ANGLE]
+    row[1] = state.motor[machine.SPEED]
+    row[2] = unit.motor.torque_constant * state.motor[machine.CURRENT]
+    row[3] = state.unit[DEMAND]
+    row[4] = state.unit[PINION]
+    row[5] = angle
+    row[6] = 1.0 if fallen(unit.lock, time) else 0.0
+    advance(unit, state, asked, moment, time, step)
+    return angle
