@@ -33,6 +33,8 @@ def warm() -> None:
         profile.write_text("".join(f"{0.25 * k} {0.001 * (k % 3)}\n" for k in range(40)))
         drive(Scenario(road="A:20,D:300", duration=DURATION), Path(folder) / "warm.rrd", tuple(registered()))
         drive(Scenario(road=str(profile), duration=DURATION), None, [])
+        steered = Scenario(road=str(profile), duration=DURATION, active_steering=True)
+        drive(steered, None, ["steering_actuator"])
     iri(np.zeros(round(30.0 / ISO_SPACING)), ISO_SPACING)
     judge_nothing()
 

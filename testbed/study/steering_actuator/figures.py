@@ -60,7 +60,7 @@ def _tables(cases: Sequence[Mapping[str, Any]], errors: Sequence[str]) -> Figure
                 shade[i, j] = float(np.median(seen)) if 2 * len(seen) > len(told) else np.nan
                 text = _entry(told, printed[j] if printed else None)
                 axes.text(j, i, text, ha="center", va="center", fontsize=8)
-        axes.imshow(shade, cmap="YlGn_r", vmin=0.0, vmax=14.0, aspect="auto")
+        axes.imshow(shade, cmap="YlGn_r", vmin=-8.0, vmax=12.0, aspect="auto", alpha=0.7)
         axes.set_xticks(range(len(names)), [f"Sc{k + 1}\n{name}" for k, name in enumerate(names)], fontsize=7)
         axes.set_yticks(range(len(NAMES)), NAMES, fontsize=8)
         axes.set_title(f"{error.replace('_', ' ')}: seconds to the alarm, here | thesis; x: none", fontsize=9)
