@@ -2,10 +2,10 @@
 
 The residuals' filters are bounded, so a wheel off by 5 % moves them by little, and for long: as a loss of a few tenths
 of a per cent it would be told as a low tyre, or as the other ones'. Here each wheel's speed, over what the curve asks
-of it, stands against the median of the four; leaky mean over MEMORY, of what is driven without slipping as much (MOST_PULL). Beyond REACH off no pressure is told, nor for
-AFTER of readable driving thereafter, until the filters have forgotten. A mean tyre at zero pressure has lost 0.010 of
-its radius, the most sensitive 0.014 (`Car`). A wheel that has turned faster for FLAT_AFTER is a flat tyre or its
-sensor: an alarm says so, once; a spin does not last as long."""
+of it, stands against the median of the four; leaky mean over MEMORY of what is driven without slipping as much
+(MOST_PULL). Beyond REACH off no pressure is told, nor for AFTER of readable driving thereafter, until the filters have
+forgotten. A mean tyre at zero pressure has lost 0.010 of its radius, the most sensitive 0.014 (`Car`). A wheel that has
+turned faster for FLAT_AFTER is a flat tyre or its sensor: an alarm says so, once; a spin does not last as long."""
 
 from __future__ import annotations
 
