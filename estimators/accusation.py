@@ -1,6 +1,7 @@
 """Who is accused: what an alarm or a flag of any monitor says of sensors and tyres.
 
 redundancy, sensor_checks     the sensor that the alarm's text begins with
+steering_actuator             the motor's angle, or, where angles contradict one another, pinion and steering wheel
 wheel_plausibility            the wheel's speed sensor (or the wheel slips: the signals do not tell)
 those of tyre pressure        `low/WHEEL`: the tyre, which is wrong if it is the sensor that is faulty
 a flag `SIGNAL: ...`          the sensor of that signal
@@ -18,6 +19,8 @@ from estimators.faults.targets import find_target
 
 NAMERS = ("redundancy", "sensor_checks")
 WHEEL_NAMERS = ("wheel_plausibility",)
+MOTOR, ANGLES = ("steering/motor_angle",), ("steering/pinion_angle", "steering/angle")
+STEERING = {"motor": MOTOR, "angles": ANGLES, "steering": (*MOTOR, *ANGLES)}  # by the first word
 LOW = "low/"
 BELIEVED = (" moves again", " agrees again", " is complete again")
 SOURCES = {"gyro": "imu/gyro/z", "accelerometer": "imu/accel/x", "steering": "steering/angle",
@@ -39,6 +42,8 @@ def of_alarm(monitor: str, alarm: Alarm) -> list[Accusation]:
     """What an alarm says."""
     if monitor in NAMERS:
         return [Accusation(alarm.time, alarm.text.split()[0].rstrip(":"), monitor)]
+    if monitor == "steering_actuator":
+        return [Accusation(alarm.time, name, monitor) for name in STEERING[alarm.text.split()[0]]]
     kind = "wheel/" if monitor in WHEEL_NAMERS else LOW
     return [Accusation(alarm.time, f"{kind}{wheel}", monitor) for wheel in alarm.wheels]
 
@@ -51,6 +56,8 @@ def of_flag(monitor: str, flag: Flag) -> list[Accusation]:
 
 def taken_back(monitor: str, flag: Flag) -> list[str]:
     """Sensors that a flag believes again."""
+    if monitor == "steering_actuator":
+        return list(STEERING["steering"]) if flag.text.endswith(BELIEVED) else []
     for ending in BELIEVED:
         if flag.text.endswith(ending):
             name = flag.text.removesuffix(ending).rpartition(": ")[2]

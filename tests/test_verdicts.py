@@ -6,11 +6,13 @@ from pathlib import Path
 
 import numpy as np
 
+from estimators.accusation import STEERING
 from estimators.car import Car
 from estimators.drive_log import Signal
 from estimators.estimator import Alarm, Flag
 from estimators.readers import read_log
 from estimators.runner import Bank
+from estimators.steering_actuator.accusation import TEXTS
 from testbed.recording import RecordingWriter
 from testbed.verdicts import Verdicts
 from tests.recording_contents import layout
@@ -61,3 +63,24 @@ def test_the_recording_draws_it_beside_the_signal_and_keeps_it_out_of_the_log(tm
     assert {"/hub/fl/accel_z", "/hub/fl/accel_z/accused"} <= layout(tmp_path / "a.rrd")[0]
     assert set(read_log(tmp_path / "a.rrd")) == {"hub/fl/accel_z", "est/verdict/hub/fl/accel_z"}
     assert "est/verdict/hub/fl/accel_z" not in read_log(tmp_path / "a.rrd").visible()
+
+
+def test_the_steering_s_monitor_accuses_motor_angle_or_the_angles_that_contradict_and_takes_it_back() -> None:
+    bank = Bank(["steering_actuator"], Car())
+    verdicts = Verdicts(bank)
+    rate = "false alarms: one in 100 h"
+    bank.alarms["steering_actuator"].append(
+        Alarm(3.0, f"{TEXTS['angles']}, by +2.0 deg (std 0.1), since 2.5 s; {rate}")
+    )
+    assert set(verdicts.update()) == {"est/verdict/steering/pinion_angle", "est/verdict/steering/angle"}
+    bank.alarms["steering_actuator"].append(Alarm(3.5, f"{TEXTS['motor angle']}, it is unsteady, since 3.2 s; {rate}"))
+    told = verdicts.update()["est/verdict/steering/motor_angle"].value[-1]
+    assert told == "steering_actuator since 3.50 s (false: one in 100 h)"
+    bank.flags["steering_actuator"].append(Flag(9.0, TEXTS[""]))
+    lanes = verdicts.update()
+    assert {lane.value[-1] for lane in lanes.values()} == {""} and len(lanes) == 3
+
+
+def test_every_accusation_of_the_steering_s_monitor_is_one_of_a_sensor() -> None:
+    for who, text in TEXTS.items():
+        assert who == "" or STEERING[text.split()[0]]

@@ -49,7 +49,7 @@ def heard(asked: Scenario) -> Heard:
     simulation = Simulation(asked)
     notes = drive_notes(simulation, None, None)
     reads = {signal for kind in registered().values() for signal in kind.reads}
-    settings = needed(sensor_settings(asked.sensors), reads | {"engine/torque"})
+    settings = needed(sensor_settings(asked.sensors, asked.active_steering), reads | {"engine/torque"})
     suite = SensorSuite(settings, asked.seed, simulation, car_seed=asked.car_seed)
     stretches, off = [], np.zeros(len(WHEELS))
     for stretch in simulation.stretches():

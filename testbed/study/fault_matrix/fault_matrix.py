@@ -9,6 +9,7 @@ which any sensor is accused), and how often an alarm accuses something else: ano
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from estimators.redundancy.numbers import HOURS
@@ -39,7 +40,7 @@ class FaultMatrixStudy(Study):
     def tasks(self, runs: int, seed: int, small: bool) -> list[Task]:
         found: list[Task] = []
         for number in range(runs):
-            drive = scenario(seed, number, SMALL_DURATION if small else DURATION)
+            drive = replace(scenario(seed, number, SMALL_DURATION if small else DURATION), active_steering=True)
             found.append({"event": "", "small": small, "scenario": drive.as_notes()})
             found += [
                 {"event": e.name, "small": small, "scenario": events.scenario(e, seed, number, small).as_notes()}

@@ -13,16 +13,18 @@ from estimators.faults.kind import SIGNAL, SIGNAL_RATE, find_kind
 from estimators.faults.targets import find_target
 
 KINDS = (
-    "bias", "scale", "spike", "zero", "stuck", "noise", "drift", "delay", "dropout", "intermittent", "swap", "teeth",
+    "bias", "scale", "spike", "zero", "stuck", "noise", "hiss", "sine", "drift", "delay", "dropout", "intermittent",
+    "swap", "teeth",
 )  # fmt: skip
 ALIKE = {"delay": "0.5", "dropout": "0.5", "intermittent": "0.3,1", "zero": "", "stuck": "", "swap": "", "teeth": "44"}
+SINE = 2.0  # Hz
 LONG, SHORT = 20, 6  # s watched: of a sensor that speaks once a second, of others
 
 
 @dataclass(frozen=True)
 class Sensor:
-    """name: with {wheel} for one of four; bias, spike, noise: sizes; drift: per s; scale: a factor; unit: as typed;
-    watch: s from the fault's beginning."""
+    """name: with {wheel} for one of four; bias, spike, noise: sizes, noise also of hiss and sine; drift: per s; scale: a
+    factor; unit: as typed; watch: s from the fault's beginning."""
 
     name: str
     bias: float
@@ -47,6 +49,9 @@ SENSORS = (
     *(Sensor(f"imu/accel/{axis}", 0.5, 0.5, 5.0, 0.5, 0.3) for axis in "xyz"),
     *(Sensor(f"imu/gyro/{axis}", 2.0, 0.5, 20.0, 2.0, 1.0) for axis in "xyz"),
     Sensor("steering/angle", 20.0, 0.5, 100.0, 10.0, 10.0),
+    Sensor("steering/motor_angle", 50.0, 0.8, 200.0, 20.0, 20.0),
+    Sensor("steering/motor_demand", 50.0, 0.8, 200.0, 20.0, 20.0),
+    Sensor("steering/pinion_angle", 5.0, 0.8, 50.0, 5.0, 5.0),
     Sensor("engine/torque", 60.0, 0.5, 300.0, 50.0, 20.0),
     Sensor("driveline/torque", 500.0, 0.5, 3000.0, 500.0, 200.0),
     Sensor("body/{wheel}/accel_z", 1.0, 0.8, 20.0, 1.0, 0.5),
@@ -98,6 +103,8 @@ def cells() -> Iterator[Cell]:
 def _what(sensor: Sensor, kind: str) -> str:
     if kind in ALIKE:
         return f"{kind}:{ALIKE[kind]}".rstrip(":")
+    if kind in ("hiss", "sine"):
+        return f"{kind}:{sensor.noise:g}" + (f",{SINE:g}" if kind == "sine" else "")
     size = getattr(sensor, kind)
     signed = any(number.unit in (SIGNAL, SIGNAL_RATE) for number in find_kind(kind).numbers) and kind != "noise"
     return f"{kind}:{'{sign}' if signed else ''}{size:g}{SPIKES if kind == 'spike' else ''}"
