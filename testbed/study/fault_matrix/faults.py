@@ -23,8 +23,8 @@ LONG, SHORT = 20, 6  # s watched: of a sensor that speaks once a second, of othe
 
 @dataclass(frozen=True)
 class Sensor:
-    """name: with {wheel} for one of four; bias, spike, noise: sizes, noise also of hiss and sine; drift: per s; scale: a
-    factor; unit: as typed; watch: s from the fault's beginning."""
+    """name: with {wheel} for one of four; bias, spike, noise: sizes, noise also of hiss and sine; drift: per s; scale:
+    a factor; unit: as typed; watch: s from the fault's beginning."""
 
     name: str
     bias: float
