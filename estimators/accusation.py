@@ -54,6 +54,14 @@ def of_flag(monitor: str, flag: Flag) -> list[Accusation]:
     return [Accusation(flag.time, name, monitor, True)] if name else []
 
 
+def withdrawn(monitor: str, alarm: Alarm) -> list[str]:
+    """Sensors that the monitor accused before, maybe, and that an alarm which says more exactly who clears."""
+    if monitor != "steering_actuator":
+        return []
+    accused = STEERING[alarm.text.split()[0]]
+    return [name for name in STEERING["steering"] if name not in accused]
+
+
 def taken_back(monitor: str, flag: Flag) -> list[str]:
     """Sensors that a flag believes again."""
     if monitor == "steering_actuator":

@@ -10,7 +10,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from estimators.accusation import LOW, of_alarm, rate_of, taken_back
+from estimators.accusation import LOW, of_alarm, rate_of, taken_back, withdrawn
 from estimators.drive_log import Signal
 from estimators.faults.targets import find_target
 from estimators.runner import Bank
@@ -37,6 +37,7 @@ class Verdicts:
             self._seen[name] = [len(alarms), len(flags)]
             for alarm in alarms[first:]:
                 events += [(a.time, a.accused, name, rate_of(alarm)) for a in of_alarm(name, alarm)]
+                events += [(alarm.time, sensor, name, None) for sensor in withdrawn(name, alarm)]
             for flag in flags[after:]:
                 events += [(flag.time, sensor, name, None) for sensor in taken_back(name, flag)]
         lanes: dict[str, list[tuple[float, str]]] = {}

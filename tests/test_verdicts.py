@@ -65,19 +65,19 @@ def test_the_recording_draws_it_beside_the_signal_and_keeps_it_out_of_the_log(tm
     assert "est/verdict/hub/fl/accel_z" not in read_log(tmp_path / "a.rrd").visible()
 
 
-def test_the_steering_s_monitor_accuses_motor_angle_or_the_angles_that_contradict_and_takes_it_back() -> None:
+def test_the_steering_s_monitor_accuses_the_angles_then_more_exactly_the_motor_s_and_takes_it_back() -> None:
     bank = Bank(["steering_actuator"], Car())
     verdicts = Verdicts(bank)
     rate = "false alarms: one in 100 h"
     bank.alarms["steering_actuator"].append(Alarm(3.0, f"{TEXTS['angles']}, by +2.0 deg, since 2.5 s; {rate}"))
     assert set(verdicts.update()) == {"est/verdict/steering/pinion_angle", "est/verdict/steering/angle"}
     bank.alarms["steering_actuator"].append(Alarm(3.5, f"{TEXTS['motor angle']}, it is unsteady, since 3.2 s; {rate}"))
-    told = verdicts.update()["est/verdict/steering/motor_angle"].value[-1]
-    assert told == "steering_actuator since 3.50 s (false: one in 100 h)"
+    lanes = {name.removeprefix("est/verdict/steering/"): lane.value[-1] for name, lane in verdicts.update().items()}
+    told = "steering_actuator since 3.50 s (false: one in 100 h)"
+    assert lanes == {"motor_angle": told, "pinion_angle": "", "angle": ""}
     bank.flags["steering_actuator"].append(Flag(9.0, TEXTS[""]))
     lanes = verdicts.update()
-    assert len(lanes) == 3
-    assert {lane.value[-1] for lane in lanes.values()} == {""}
+    assert {name: lane.value.tolist() for name, lane in lanes.items()} == {"est/verdict/steering/motor_angle": [""]}
 
 
 def test_every_accusation_of_the_steering_s_monitor_is_one_of_a_sensor() -> None:
