@@ -3,12 +3,15 @@ say."""
 
 from __future__ import annotations
 
+import pyarrow.parquet as pq
 import pytest
 
 from estimators.accusation import Accusation, of_alarm, of_flag, rate_of, same, taken_back
 from estimators.estimator import Alarm, Flag
 from estimators.faults import fault_kinds, parse_fault
 from estimators.faults.targets import UNITS
+from testbed.campaign.parts import write_table
+from testbed.study.fault_matrix.events import RIGHT
 from testbed.study.fault_matrix.faults import KINDS, SENSORS, cells
 from testbed.study.fault_matrix.matrix import matrix
 from testbed.study.fault_matrix.page import page
@@ -73,3 +76,12 @@ def test_a_cell_says_what_its_trials_say() -> None:
     text = page(study.about, rows, list(table.values()))
     assert text.count("<figure>") == 4
     assert "low by axles (2)" in text
+
+
+def test_an_event_s_accusations_are_kept_on_disk_and_counted(tmp_path) -> None:
+    accused = [["wheel/rl", "redundancy", RIGHT], ["steering/angle", "redundancy", ""]]
+    write_table(tmp_path / "part.parquet", [{"event": "tyre goes flat", "accused": accused}])
+    rows = pq.read_table(tmp_path / "part.parquet").to_pylist()
+    assert rows[0]["accused"] == accused
+    table = {row.name: row.here for row in find_study("fault-matrix").table(rows)}
+    assert table["event.tyre_goes_flat.told"] == table["event.tyre_goes_flat.falsely_accused"] == 100.0

@@ -53,7 +53,7 @@ def heard(asked: Scenario) -> Heard:
     suite = SensorSuite(settings, asked.seed, simulation, car_seed=asked.car_seed)
     stretches, off = [], np.zeros(len(WHEELS))
     for stretch in simulation.stretches():
-        stretches.append(suite.advance(motion_of(stretch, asked.step)))
+        stretches.append(suite.advance(motion_of(stretch, asked.step, asked.active_steering)))
         yaw = attitude(stretch["quaternion"])[:, 2]
         forward = stretch["velocity"][:, 0] * np.cos(yaw) + stretch["velocity"][:, 1] * np.sin(yaw)
         rolling = stretch["rim_speed"] * simulation.nominal_radius

@@ -25,6 +25,7 @@ SMALL_DURATION = 6.0
 KMH = 1.0 / 3.6
 ROADS = ("A", "B", "C")
 PURPOSE = 7  # of the seeds
+RIGHT = "right"
 
 
 @dataclass(frozen=True)
@@ -55,7 +56,7 @@ def scenario(event: Event, seed: int, number: int, small: bool) -> Scenario:
 
 
 def run(event: Event, asked: Scenario) -> dict[str, Any]:
-    """accused: [who, by whom, right] of every alarm, each pair once, in the order in which they came."""
+    """accused: [who, by whom, `RIGHT` or ""] of every alarm, each pair once, in the order in which they came."""
     drive = heard(asked)
     monitors, said = drive.monitors(), list[Accusation]()
     for number, stretch in enumerate(drive.stretches):
@@ -65,4 +66,4 @@ def run(event: Event, asked: Scenario) -> dict[str, Any]:
     right = {f"wheel/{wheel}" for wheel, off in drive.off.items() if off > SLIPS}
     right |= {LOW + event.flat, f"wheel/{event.flat}"} if event.flat else set()
     once = dict.fromkeys((a.accused, a.by) for a in sorted(said))
-    return {"event": event.name, "accused": [[who, by, who in right] for who, by in once]}
+    return {"event": event.name, "accused": [[who, by, RIGHT if who in right else ""] for who, by in once]}

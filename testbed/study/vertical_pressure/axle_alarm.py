@@ -131,7 +131,8 @@ def alarm_table(rows: Sequence[Row]) -> list[StudyRow]:
 def _detection(repetitions: Sequence[Mapping[str, Any]]) -> Iterator[StudyRow]:
     names = [f"15_{manoeuvre}" for manoeuvre in ROLLING]
     for group, ending in ((names, ""), *(([name], f"_{name[3:]}") for name in names), (["15_before"], "_before")):
-        drives = [r[name] for r in repetitions for name in group if r[name]["end_s"] > r[name]["reached_s"]]
+        drives = [r[name] for r in repetitions for name in group if name in r]
+        drives = [d for d in drives if d["end_s"] > d["reached_s"]]
         drives = [d for d in drives if not any(t < d["onset_s"] for t, _ in d["alarms"])]
         if not drives:
             continue
