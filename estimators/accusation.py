@@ -1,7 +1,8 @@
 """Who is accused: what an alarm or a flag of any monitor says of sensors and tyres.
 
 redundancy, sensor_checks     the sensor that the alarm's text begins with
-steering_actuator             the motor's angle, or, where angles contradict one another, pinion and steering wheel
+steering_actuator             the motor's angle, its demand too where it does not do what is demanded; pinion and steering
+                              wheel where angles contradict one another
 wheel_plausibility            the wheel's speed sensor (or the wheel slips: the signals do not tell)
 those of tyre pressure        `low/WHEEL`: the tyre, which is wrong if it is the sensor that is faulty
 a flag `SIGNAL: ...`          the sensor of that signal
@@ -19,8 +20,9 @@ from estimators.faults.targets import find_target
 
 NAMERS = ("redundancy", "sensor_checks")
 WHEEL_NAMERS = ("wheel_plausibility",)
-MOTOR, ANGLES = ("steering/motor_angle",), ("steering/pinion_angle", "steering/angle")
-STEERING = {"motor": MOTOR, "angles": ANGLES, "steering": (*MOTOR, *ANGLES)}  # by the first word
+MOTOR, DEMAND, ANGLES = "steering/motor_angle", "steering/motor_demand", ("steering/pinion_angle", "steering/angle")
+# by the first two words: a motor that does not do what is demanded, or is demanded what it was not; its angle; angles
+STEERING = {"motor does": (MOTOR, DEMAND), "motor angle": (MOTOR,), "angles of": ANGLES}
 LOW = "low/"
 BELIEVED = (" moves again", " agrees again", " is complete again")
 SOURCES = {"gyro": "imu/gyro/z", "accelerometer": "imu/accel/x", "steering": "steering/angle",
@@ -43,7 +45,7 @@ def of_alarm(monitor: str, alarm: Alarm) -> list[Accusation]:
     if monitor in NAMERS:
         return [Accusation(alarm.time, alarm.text.split()[0].rstrip(":"), monitor)]
     if monitor == "steering_actuator":
-        return [Accusation(alarm.time, name, monitor) for name in STEERING[alarm.text.split()[0]]]
+        return [Accusation(alarm.time, name, monitor) for name in steering_of(alarm.text)]
     kind = "wheel/" if monitor in WHEEL_NAMERS else LOW
     return [Accusation(alarm.time, f"{kind}{wheel}", monitor) for wheel in alarm.wheels]
 
@@ -58,19 +60,24 @@ def withdrawn(monitor: str, alarm: Alarm) -> list[str]:
     """Sensors that the monitor accused before, maybe, and that an alarm which says more exactly who clears."""
     if monitor != "steering_actuator":
         return []
-    accused = STEERING[alarm.text.split()[0]]
-    return [name for name in STEERING["steering"] if name not in accused]
+    accused = steering_of(alarm.text)
+    return [name for name in (MOTOR, DEMAND, *ANGLES) if name not in accused]
 
 
 def taken_back(monitor: str, flag: Flag) -> list[str]:
     """Sensors that a flag believes again."""
     if monitor == "steering_actuator":
-        return list(STEERING["steering"]) if flag.text.endswith(BELIEVED) else []
+        return [MOTOR, DEMAND, *ANGLES] if flag.text.endswith(BELIEVED) else []
     for ending in BELIEVED:
         if flag.text.endswith(ending):
             name = flag.text.removesuffix(ending).rpartition(": ")[2]
             return list(PAIRS.get(name, (SOURCES.get(name, name),)) if monitor in NAMERS else (name,))
     return []
+
+
+def steering_of(text: str) -> tuple[str, ...]:
+    """The sensors that an alarm of the steering's monitor accuses."""
+    return STEERING[" ".join(text.split()[:2])]
 
 
 def rate_of(alarm: Alarm) -> str:

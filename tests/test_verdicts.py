@@ -6,10 +6,11 @@ from pathlib import Path
 
 import numpy as np
 
-from estimators.accusation import STEERING
+from estimators.accusation import steering_of
 from estimators.car import Car
 from estimators.drive_log import Signal
 from estimators.estimator import Alarm, Flag
+from estimators.faults.targets import find_target
 from estimators.readers import read_log
 from estimators.runner import Bank
 from estimators.steering_actuator.accusation import TEXTS
@@ -82,4 +83,4 @@ def test_the_steering_s_monitor_accuses_the_angles_then_more_exactly_the_motor_s
 
 def test_every_accusation_of_the_steering_s_monitor_is_one_of_a_sensor() -> None:
     for who, text in TEXTS.items():
-        assert who == "" or STEERING[text.split()[0]]
+        assert who == "" or all(find_target(sensor).name == sensor for sensor in steering_of(text))
