@@ -1,8 +1,8 @@
 """Who is accused: what an alarm or a flag of any monitor says of sensors and tyres.
 
 redundancy, sensor_checks     the sensor that the alarm's text begins with
-steering_actuator             the motor's angle, its demand too where it does not do what is demanded; pinion and steering
-                              wheel where angles contradict one another
+steering_actuator             the motor's angle, its demand too where it does not do what is demanded; pinion and
+                              steering wheel where angles contradict one another
 wheel_plausibility            the wheel's speed sensor (or the wheel slips: the signals do not tell)
 those of tyre pressure        `low/WHEEL`: the tyre, which is wrong if it is the sensor that is faulty
 a flag `SIGNAL: ...`          the sensor of that signal
