@@ -1,7 +1,7 @@
 """Estimator `axles`: stiffness and pressure of both tyres of a side from the road that they share.
 
 The rear wheel meets the front wheel's road one wheelbase later (`delay`), so the road's level and shape, which bound
-what one wheel can tell (`quarter_car.bound`), fall out of the comparison of the two: ln k_f - ln k_r is known to 2 %
+what one wheel can tell (`quarter_car.bound`), fall out of the comparison of the two: ln k_f - ln k_r is known to 2.5 %
 after 2 s and to 1 % after 10 s (`bound`). How much the two have in common is measured (`likelihood`: nu) and, off the
 straight line, known (`off_tracking`): where nothing is common, the standard deviations are those of two single wheels.
 Estimates every `SAY` blocks (half a second):

@@ -16,6 +16,8 @@ largest mean 6.2, so it was left where it is).
 Tuned on cars of seeds 1 and 2 of `testbed.study.itpms_fusion` (constants of `monitor`, `mode_nodes`, `learning` and
 `alarm`, grid of `mode_grid`), the thresholds on cars of seeds 1, 2 and 3, two thirds of it in town. The study's default
 seed was never driven before it was reported.
+There, 28 cars and 21.3 h, the fused tail comes to its threshold 4.5 times in 100 h (95 %: 1.1 to 13.2), so these are
+too low: 6.4 h are too few for the sharper frequency.
 """
 
 from __future__ import annotations
