@@ -1,11 +1,11 @@
 """The driving scenarios of the thesis' two sets (Razavi, Lund 2006, section 1.1.3), as seeded drives.
 
-Set A: ten driven so that the residual of the motor's position becomes as large as it can: rapid steering at speeds at
-which the ratio is direct. Set B: fifty, those ten and forty that cover every size of residual down to none: straight
-on, motorway, country, town, lane changes, slaloms, circles, parking. The thesis says no more of them than that, so
-manoeuvres and speeds are declared. All with active steering. They last 10 s (longer where the manoeuvre is slow), as
-the thesis' time axes do; a fault begins at 5 s there. Each repetition drives them on roads, with payloads and sensors
-of its own.
+Set A (`SET_A`): ten driven so that the residual of the motor's position becomes as large as it can: rapid steering at
+speeds at which the ratio is direct. Set B (`CASES`): fifty, those ten and forty that cover every size of residual down
+to none: straight on, motorway, country, town, lane changes, slaloms, circles, parking. The thesis says no more of them
+than that, so manoeuvres and speeds are declared. All with active steering. They last 10 s (longer where the manoeuvre
+is slow), as the thesis' time axes do; a fault begins at 5 s there. Each repetition drives them on roads, with payloads
+and sensors of its own.
 """
 
 from __future__ import annotations
@@ -19,7 +19,6 @@ from testbed.study.study import run_seed
 
 KMH = 1.0 / 3.6
 DURATION = 10.0  # s
-FAULT_START = 5.0  # s
 ROADS = ("A", "B", "C")
 CALM, BRISK, RAPID = "calm", "brisk", "rapid"
 
@@ -73,4 +72,3 @@ CASES = (
     *_cases(BRISK, "parking", 4.0, 6.0, duration=20.0),
     *_cases(RAPID, "rapid-steering", 45.0, 60.0),
 )
-SET_B = CASES
