@@ -85,3 +85,12 @@ def test_an_event_s_accusations_are_kept_on_disk_and_counted(tmp_path) -> None:
     assert rows[0]["accused"] == accused
     table = {row.name: row.here for row in find_study("fault-matrix").table(rows)}
     assert table["event.tyre_goes_flat.told"] == table["event.tyre_goes_flat.falsely_accused"] == 100.0
+
+
+def test_a_drive_s_false_alarms_are_kept_on_disk_and_counted(tmp_path) -> None:
+    false = [{"time": 3.5, "accused": "steering/angle", "by": "redundancy"}]
+    write_table(tmp_path / "part.parquet", [{"manoeuvre": "town", "hours": 0.5, "false": false, "trials": []}])
+    rows = pq.read_table(tmp_path / "part.parquet").to_pylist()
+    assert rows[0]["false"] == false
+    table = {row.name: row.here for row in find_study("fault-matrix").table(rows)}
+    assert table["false_alarms_per_100h"] == pytest.approx(200.0)

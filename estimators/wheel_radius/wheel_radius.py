@@ -127,8 +127,8 @@ class WheelRadius(Estimator):
                   zip(WHEELS, self._tracker.dead, strict=True) if dead]  # fmt: skip
         if self.car.driven_axle == "all":
             doubts.append("all wheels driven: no wheel rolls freely, delta13 and delta24 are less sure")
-        doubts += [f"wheel/{wheel}/speed: off by over {100 * REACH:g} %: a flat tyre, another wheel or its sensor; "
-                   "no pressure is told" for wheel in self._reach.wheels()]  # fmt: skip
+        told = f"off by over {100 * REACH:g} %: it slips, is another wheel, or its sensor errs; no pressure is told"
+        doubts += [f"wheel/{wheel}/speed: {told}" for wheel in self._reach.wheels()]
         new = [text for text in doubts if text not in self._warned]
         self._warned |= set(new)
         return new
@@ -155,9 +155,6 @@ class WheelRadius(Estimator):
             said[f"{wheel}/relative_radius_change"] = (radius[0][i], float(np.hypot(radius[1][i], wide)), "")
             told = (0.0, self.car.pressure) if self._reach.any else (pressure[0][i], pressure[1][i])
             said[f"{wheel}/relative_pressure_change"] = (*told, "Pa")
-        for wheel, off in self._reach.flat():
-            text = f"flat tyre, or its wheel-speed sensor: {100 * off:.1f} % faster than the others"
-            alarms.append(Alarm(time, text, (wheel,)))
         settled = reference.done.any() and not self._reach.any and now.seconds[0] >= SETTLING_TIME
         if settled:
             if alarm := self._alarm.step(time, contrasts, spread):

@@ -81,7 +81,7 @@ def _map(
             table[i, j] = min(value(entry), most) if np.isfinite(value(entry)) else most
             texts.append((i, j, shown(entry), True))
     _draw(figure, axes, table, texts, colours, most)
-    axes.set_xticks(range(len(KINDS)), KINDS, fontsize=8.0)
+    axes.set_xticks(range(len(KINDS)), KINDS, fontsize=8.0, rotation=20.0, ha="left")
     axes.set_yticks(range(len(SENSORS)), [s.name.format(wheel="WHEEL") for s in SENSORS])
     axes.set_title(title, loc="left")
     return figure

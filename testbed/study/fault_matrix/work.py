@@ -42,5 +42,5 @@ def run(task: dict[str, Any]) -> dict[str, Any]:
         trial(kept[place], drive.stretches, place, place + float(random.random()), cell, sound, random, asked.seed)
         for place, chosen in due.items() for cell in chosen
     ]  # fmt: skip
-    false = [[a.time, a.accused, a.by] for a in sound if not a.flag]
+    false = [{"time": a.time, "accused": a.accused, "by": a.by} for a in sound if not a.flag]
     return {"manoeuvre": asked.manoeuvre, "hours": seconds / 3600.0, "false": false, "trials": trials}
