@@ -27,6 +27,17 @@ def misled(reads: Collection[str], car: Car) -> bool:
     return car.motor_gear_ratio > 0.0 and ANGLE in reads and PINION not in reads
 
 
+def inputs(reads: Collection[str], car: Car) -> frozenset[str]:
+    """The signals that an estimator with these inputs is given, under whatever name."""
+    return frozenset(reads) | ({PINION} if misled(reads, car) else frozenset())
+
+
+def given(samples: Mapping[str, Signal], reads: Collection[str], car: Car) -> dict[str, Signal]:
+    """What of a stretch's samples an estimator with these inputs gets."""
+    heard = effective_steering(samples, car) if misled(reads, car) else samples
+    return {name: heard[name] for name in reads if name in heard}
+
+
 def effective_steering(samples: Mapping[str, Signal], car: Car) -> dict[str, Signal]:
     """The samples with the pinion's angle under the name of the steering wheel's."""
     found = {name: signal for name, signal in samples.items() if name not in (ANGLE, PINION)}

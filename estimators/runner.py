@@ -14,7 +14,7 @@ import numpy as np
 from estimators.arrival import arrival_times
 from estimators.car import Car
 from estimators.drive_log import DriveLog, Signal
-from estimators.effective_steering import PINION, effective_steering, misled
+from estimators.effective_steering import given, inputs
 from estimators.estimator import Alarm, Flag, Outputs
 from estimators.registry import check_declaration, select
 
@@ -36,7 +36,6 @@ class Bank:
             check_declaration(kind)
         self._members = {name: kind(car) for name, kind in kinds.items()}
         self._car = car
-        self._misled = frozenset(name for name, member in self._members.items() if misled(member.reads, car))
         self.alarms: dict[str, list[Alarm]] = {name: [] for name in kinds}
         self.flags: dict[str, list[Flag]] = {name: [] for name in kinds}
         for name in select(calibrations or ()):
@@ -51,17 +50,13 @@ class Bank:
     @property
     def reads(self) -> frozenset[str]:
         """Signals that some member reads."""
-        own = frozenset(signal for member in self._members.values() for signal in member.reads)
-        return own | {PINION} if self._misled else own
+        return frozenset().union(*(inputs(member.reads, self._car) for member in self._members.values()))
 
     def update(self, samples: Mapping[str, Signal], until: float) -> dict[str, Signal]:
         """Feed what arrived before `until` [s]; new estimates, alarms and flags as signals."""
         said: dict[str, Signal] = {}
-        turned = effective_steering(samples, self._car) if self._misled else samples
         for name, member in self._members.items():
-            heard = turned if name in self._misled else samples
-            given = {signal: heard[signal] for signal in member.reads if signal in heard}
-            outputs = member.update(given, until)
+            outputs = member.update(given(samples, member.reads, self._car), until)
             self.alarms[name] += outputs.alarms
             self.flags[name] += outputs.flags
             said.update(_signals(name, outputs))

@@ -3,10 +3,16 @@ say."""
 
 from __future__ import annotations
 
+from dataclasses import replace
+
+import numpy as np
 import pyarrow.parquet as pq
 import pytest
 
 from estimators.accusation import Accusation, of_alarm, of_flag, rate_of, same, taken_back
+from estimators.car import Car
+from estimators.drive_log import Signal
+from estimators.effective_steering import given, inputs
 from estimators.estimator import Alarm, Flag
 from estimators.faults import fault_kinds, parse_fault
 from estimators.faults.targets import UNITS
@@ -94,3 +100,14 @@ def test_a_drive_s_false_alarms_are_kept_on_disk_and_counted(tmp_path) -> None:
     assert rows[0]["false"] == false
     table = {row.name: row.here for row in find_study("fault-matrix").table(rows)}
     assert table["false_alarms_per_100h"] == pytest.approx(200.0)
+
+
+def test_a_monitor_that_knows_no_pinion_hears_it_as_the_steering_wheel_of_a_car_whose_motor_superposes() -> None:
+    plain, active = Car(), replace(Car(), motor_gear_ratio=40.0, wheel_gear_ratio=1.0)
+    reads, time = ("steering/angle", "imu/gyro"), np.array([0.0, 0.1])
+    samples = {"steering/angle": Signal(time, np.array([0.4, 0.5])), "steering/pinion_angle": Signal(time, np.ones(2))}
+    assert given(samples, reads, plain)["steering/angle"].value.tolist() == [0.4, 0.5]
+    turned = given(samples, reads, active)["steering/angle"].value
+    assert np.sin(turned / active.steering_ratio) * active.steering_ratio == pytest.approx(np.ones(2))
+    assert inputs(reads, plain) == set(reads)
+    assert inputs(reads, active) == {*reads, "steering/pinion_angle"}

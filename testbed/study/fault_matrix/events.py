@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from estimators.accusation import LOW, Accusation
+from estimators.effective_steering import given
 from testbed.brake_pull import BrakePull
 from testbed.scenario import Scenario
 from testbed.study.fault_matrix.drives import heard
@@ -61,8 +62,8 @@ def run(event: Event, asked: Scenario) -> dict[str, Any]:
     monitors, said = drive.monitors(), list[Accusation]()
     for number, stretch in enumerate(drive.stretches):
         for name, monitor in monitors.items():
-            given = {signal: stretch[signal] for signal in monitor.reads if signal in stretch}
-            said += [a for a in said_by(name, monitor.update(given, number + 1.0)) if not a.flag]
+            outputs = monitor.update(given(stretch, monitor.reads, drive.car), number + 1.0)
+            said += [a for a in said_by(name, outputs) if not a.flag]
     right = {f"wheel/{wheel}" for wheel, off in drive.off.items() if off > SLIPS}
     right |= {LOW + event.flat, f"wheel/{event.flat}"} if event.flat else set()
     once = dict.fromkeys((a.accused, a.by) for a in sorted(said))

@@ -14,6 +14,7 @@ import numpy as np
 
 from estimators.accusation import LOW, Accusation, of_alarm, of_flag, opposite, same, sensor_of
 from estimators.drive_log import WHEELS
+from estimators.effective_steering import given, inputs
 from estimators.estimator import Estimator, Outputs
 from estimators.faults import Injector
 from estimators.faults.injector import touched
@@ -41,14 +42,13 @@ def trial(
     faulty = {cell.sensor.name.format(wheel=wheel)} | {name for s in changed if (name := sensor_of(s))}
     if cell.kind == "swap":
         faulty.add(cell.sensor.name.format(wheel=opposite(wheel)))
-    listening = {name: copy.deepcopy(m) for name, m in monitors.items() if changed & set(m.reads)}
+    listening = {name: copy.deepcopy(m) for name, m in monitors.items() if changed & inputs(m.reads, m.car)}
     injector.update(stretches[first - 1], float(first))
     said: list[Accusation] = []
     for number in range(first, min(first + cell.sensor.watch + 1, len(stretches))):
-        given = injector.update(stretches[number], number + 1.0)
+        wrong = injector.update(stretches[number], number + 1.0)
         for name, monitor in listening.items():
-            heard = {signal: given[signal] for signal in monitor.reads if signal in given}
-            said += said_by(name, monitor.update(heard, number + 1.0))
+            said += said_by(name, monitor.update(given(wrong, monitor.reads, monitor.car), number + 1.0))
     known = {(a.accused, a.by) for a in sound if first <= a.time <= first + cell.sensor.watch + 1}
     told = sorted(a for a in said if start <= a.time <= start + cell.sensor.watch and (a.accused, a.by) not in known)
     right = [a for a in told if same(a.accused, faulty)]

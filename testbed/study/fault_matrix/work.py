@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from estimators.accusation import Accusation
+from estimators.effective_steering import given
 from testbed.scenario import Scenario
 from testbed.study.fault_matrix import events
 from testbed.study.fault_matrix.drives import heard
@@ -36,8 +37,7 @@ def run(task: dict[str, Any]) -> dict[str, Any]:
         if number in due:
             kept[number] = {name: copy.deepcopy(monitor) for name, monitor in monitors.items()}
         for name, monitor in monitors.items():
-            given = {signal: stretch[signal] for signal in monitor.reads if signal in stretch}
-            sound += said_by(name, monitor.update(given, number + 1.0))
+            sound += said_by(name, monitor.update(given(stretch, monitor.reads, drive.car), number + 1.0))
     trials = [
         trial(kept[place], drive.stretches, place, place + float(random.random()), cell, sound, random, asked.seed)
         for place, chosen in due.items() for cell in chosen
