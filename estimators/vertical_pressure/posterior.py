@@ -27,8 +27,8 @@ PER_STIFFNESS, PER_SHORT, PER_LEVEL = 5, 2, 11  # fine cells a node
 HIGHEST_LEVEL = 1e-3  # lambda [m^3/rad]: class E and F
 # Declared, not tuned. 0.1 % in a second: what warming does in a minute; a sudden leak once in a quarter of an hour
 STIFFNESS_DRIFT, STIFFNESS_JUMPS = 1e-3, 1e-3  # std of ln k_t after 1 s; a second
-# 15 % of level and 0.03 of w_s in a second; another surface twice a minute at most
-LEVEL_DRIFT, SHORT_DRIFT, ROAD_JUMPS = 0.15, 0.03, 0.03
+# 15 % of level in a second and another level twice a minute; w_s 0.08 in a minute, another surface in five minutes
+LEVEL_DRIFT, LEVEL_JUMPS, SHORT_DRIFT, ROAD_JUMPS = 0.15, 0.0, 0.03, 0.03
 TINY = 1e-300
 
 
@@ -92,6 +92,7 @@ class Posterior:
             min(STIFFNESS_JUMPS * seconds, 1.0),
             _share(SHORT_DRIFT, FINE_SHORT, seconds),
             _share(LEVEL_DRIFT, LOG_LEVEL, seconds),
+            min(LEVEL_JUMPS * seconds, 1.0),
             min(ROAD_JUMPS * seconds, 1.0),
         )
         self.p, self._new = self._new, self.p
