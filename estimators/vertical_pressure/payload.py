@@ -10,7 +10,8 @@ M: sprung mass [kg], d: how far payload moves its centre forward [m]. Both sides
 leaves 1 % of M, after 60 s 0.5 %: what is left is the damper, which above 2 Hz makes most of the force: 10 % of c is 8
 % of M, and springs stiffer under load make 24 % more body mass read as 20 % (`SYSTEMATIC`). Left free c takes half the
 load with it. Prior: `PRIOR_STD`. Believed only where the equation explains the force (`UNEXPLAINED`): a faulty sensor,
-or bends, in which lateral forces lift a body, do not pass. Left out: anti-dive and -lift, left and right loaded apart.
+or bends, in which lateral forces lift a body, do not pass; nor
+does a body that twists (`TWISTED`), as one with a faulty corner seems to. Left out: anti-dive and -lift, left and right loaded apart.
 """
 
 from __future__ import annotations
@@ -24,6 +25,7 @@ from scipy.signal import butter
 from estimators.car import GRAVITY, Car
 from estimators.compiled import compiled
 from estimators.vertical_pressure.anti_alias import RATE
+from estimators.vertical_pressure.bank import SENSOR_STD
 
 LEAK = 0.3  # Hz
 BAND = (2.0, 8.0)  # Hz: below, springs that stiffen under load count for more than the damper
@@ -33,7 +35,10 @@ LEAST = 3.0  # s before it is asked
 PRIOR_STD = 0.2  # of ln M. Declared: empty to full, a car bears a quarter to a third of itself
 SYSTEMATIC = 0.05  # of ln M. Declared: dampers, springs
 UNEXPLAINED = 0.1  # of the force's variance
-QUIET = 0.03  # (m/s^2)^2 of the body's: below it the sensors' noise is more than a hundredth of it
+TWISTED = 0.1  # of the body's variance in its twist, which a rigid body does not have: a sensor is wrong
+_GROUP = 32  # samples, of which the mean is taken for that
+QUIET = 0.003  # (m/s^2)^2 in the band: four times the sensors' noise; class A makes five times as much
+_NOISE = SENSOR_STD**2 * 2.0 * (BAND[1] - BAND[0]) / RATE  # (m/s^2)^2 of one sensor in the band
 LIGHTEST, HEAVIEST = 0.75, 1.6  # of M
 _SHIFT_STD = 0.1  # m, prior of d
 _SECTIONS = np.ascontiguousarray(butter(2, BAND, "band", fs=RATE, output="sos"))
@@ -92,7 +97,11 @@ class Payload:
         self._rate = np.array([car.front_spring_rate] * 2 + [car.rear_spring_rate] * 2)
         self._damping = np.array([car.front_damping] * 2 + [car.rear_damping] * 2)
         self._keeps = math.exp(-2.0 * math.pi * LEAK / RATE)
+        a, b = car.cg_to_front_axle / car.wheelbase, car.cg_to_rear_axle / car.wheelbase
+        skew = 0.5 * (b - a) / car.wheelbase
+        self._noise = _NOISE * np.array([[0.5 * (a**2 + b**2), skew], [skew, 1.0 / car.wheelbase**2]])
         self._sums, self._seconds = np.zeros((3, 3)), 0.0
+        self._twist, self._felt = 0.0, 0.0
         self.load, self.std = (1.0, 1.0), PRIOR_STD
         self.skip()
 
@@ -121,6 +130,10 @@ class Payload:
             self._sums = before
             return
         keeps = math.exp(-seconds / MEMORY)
+        means = felt.reshape(-1, _GROUP, 4).mean(axis=1)
+        twist = means @ np.array([1.0, -1.0, -1.0, 1.0])
+        self._twist = keeps * self._twist + float(np.sum(twist**2 - 4.0 * SENSOR_STD**2 / _GROUP))
+        self._felt = keeps * self._felt + float(np.sum(means**2))
         self._sums = keeps * before + (self._sums - before)
         self._seconds = keeps * self._seconds + seconds
         if self._seconds > LEAST:
@@ -130,9 +143,9 @@ class Payload:
         """Least squares with the prior; M's own std is that of its systematic part and of the residual."""
         S, empty = self._sums, self._car.chassis_mass
         count = 2.0 * (BAND[1] - BAND[0]) * self._seconds  # independent samples
-        normal = S[:2, :2].copy()
-        unexplained = S[2, 2] - S[:2, 2] @ np.linalg.solve(normal, S[:2, 2])
-        if unexplained > UNEXPLAINED * S[2, 2]:
+        normal = S[:2, :2] - self._noise * (self._seconds * RATE)
+        unexplained = S[2, 2] - S[:2, 2] @ np.linalg.solve(S[:2, :2], S[:2, 2])
+        if unexplained > UNEXPLAINED * S[2, 2] or self._twist > TWISTED * self._felt:
             self.load, self.std = (1.0, 1.0), PRIOR_STD
             return
         per_sample = unexplained / (self._seconds * RATE)
@@ -146,7 +159,6 @@ class Payload:
         share = PRIOR_STD**2 / (PRIOR_STD**2 + heard)
         total = math.exp(share * math.log(mass / empty))
         a, b, d = self._car.cg_to_front_axle, self._car.cg_to_rear_axle, share * float(moment / mass)
-        self.load = (
-            float(np.clip(total * (b + d) / b, LIGHTEST, HEAVIEST)), float(np.clip(total * (a - d) / a, LIGHTEST, HEAVIEST))
-        )  # fmt: skip
+        front, rear = np.clip([total * (b + d) / b, total * (a - d) / a], LIGHTEST, HEAVIEST)
+        self.load = float(front), float(rear)
         self.std = math.sqrt(share * heard)
