@@ -9,9 +9,9 @@ M: sprung mass [kg], d: how far payload moves its centre forward [m]. Both sides
 `LEAK` that make the integrals stay, band-pass `BAND`); M and M d by least squares over leaky sums. After 10 s noise
 leaves 1 % of M, after 60 s 0.5 %: what is left is the damper, which above 2 Hz makes most of the force: 10 % of c is 8
 % of M, and springs stiffer under load make 24 % more body mass read as 20 % (`SYSTEMATIC`). Left free c takes half the
-load with it. Prior: `PRIOR_STD`. Believed only where the equation explains the force (`UNEXPLAINED`): a faulty sensor,
-or bends, in which lateral forces lift a body, do not pass; nor
-does a body that twists (`TWISTED`), as one with a faulty corner seems to. Left out: anti-dive and -lift, left and right loaded apart.
+load with it. Prior: `PRIOR_STD`. Believed only where the equation explains the force (`UNEXPLAINED`), as it does not in
+bends, in which lateral forces lift a body, and where the body does not twist (`TWISTED`), as one with a faulty sensor
+seems to. Left out: anti-dive and -lift, left and right loaded apart.
 """
 
 from __future__ import annotations
