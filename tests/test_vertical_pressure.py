@@ -169,7 +169,7 @@ def test_what_is_expected_of_the_tyres_is_what_is_said_before_anything_was_heard
     estimator.use_calibration(document)
     assert estimator.calibration() == document
     law, wheel = TyreLaw.of(car), estimator._wheels[0]
-    mean, std = moments(wheel.posterior.stiffness(), law.pressure_of(np.exp(LOG_STIFFNESS), 20.0, wheel.load))
+    mean, std = moments(wheel.posterior.stiffness(), law.pressure_of(np.exp(LOG_STIFFNESS), 20.0, wheel.load(1.0)))
     assert mean == pytest.approx(180e3, rel=5e-3)
     assert std == pytest.approx(20e3, rel=0.02)
     assert expected_pressure(car, {}) == (car.pressure, 0.25 * car.pressure)

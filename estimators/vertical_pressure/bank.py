@@ -1,4 +1,5 @@
-"""The bank of linear filters over stiffness and road, for the present speed, of one axle's two wheels.
+"""The bank of linear filters over stiffness and road, for the present speed and load, of one axle's two
+wheels.
 
 Nodes: `STIFFNESSES` (13 % apart), the road's two slopes (`quarter_car.roughness`), and levels lambda (`LEVELS`, a
 factor 16 apart: only the sensor's noise, which is not in proportion to the level, makes a filter of one level unfit for
@@ -29,6 +30,7 @@ SHORT = np.linspace(1.0, 3.8, 8)  # w_s
 LEVELS = 0.0625e-6 * 16.0 ** np.arange(4.0)  # lambda [m^3/rad]; above the last one the sensor is silent
 NODES = (len(STIFFNESSES), len(LONG), len(SHORT), len(LEVELS))  # in this order
 SPEED_STEP = 0.03  # of ln speed: the other axle is a fiftieth of a wheelbase wrong at most
+LOAD_STEP = 0.05  # of ln of the load: 1 % of stiffness
 _KEPT = 96  # designs, 600 kB each
 SENSOR_STD = 0.5  # m/s^2 at 1 kHz: the paper's data sheet
 SENSOR_VARIANCE = SENSOR_STD**2 / (RATE * STEP)  # of a decimated sample: the same density over its narrower band
@@ -81,21 +83,38 @@ def heard_by(filters: NDArray[np.float64], heard: NDArray[np.float64]) -> NDArra
     return summed.reshape(NODES)
 
 
+def laden(quarter: Quarter, beside: Beside, load: float) -> tuple[Quarter, Beside]:
+    """Both with `load` times the sprung mass: contact is as much longer as it is for a tyre softer by that share."""
+    unsprung = quarter.unsprung_mass + quarter.belt_mass
+    wheel = (load * quarter.sprung_mass + unsprung) / (quarter.sprung_mass + unsprung)
+    heavy = quarter._replace(
+        sprung_mass=load * quarter.sprung_mass, footprint=quarter.footprint * wheel**quarter.softer
+    )
+    other = beside.quarter._replace(sprung_mass=load * beside.quarter.sprung_mass)
+    return heavy, beside._replace(quarter=other, coupling=beside.coupling / load)
+
+
 @lru_cache(maxsize=_KEPT)
-def _designed(quarter: Quarter, beside: Beside, place: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    return design(quarter, beside, math.exp(place * SPEED_STEP))
+def _designed(
+    quarter: Quarter, beside: Beside, place: int, load: int
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    return design(*laden(quarter, beside, math.exp(load * LOAD_STEP)), math.exp(place * SPEED_STEP))
 
 
 class AxleBank:
-    """Filters of one axle by speed. A speed is rounded to a grid of SPEED_STEP, the last one kept while it is near."""
+    """Filters of one axle by speed and load, each rounded to a grid, the last place kept while it is near."""
 
     def __init__(self, quarter: Quarter, beside: Beside) -> None:
         self.quarter, self.beside = quarter, beside
         self._place: int | None = None
+        self._load = 0
 
-    def at(self, speed: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """`design` for a speed [m/s]; shared, not to be written to."""
+    def at(self, speed: float, load: float = 1.0) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """`design` for a speed [m/s] and sprung masses `load` times the quarter's; shared, not to be written to."""
         exact = math.log(speed) / SPEED_STEP
         if self._place is None or abs(exact - self._place) > 0.75:
             self._place = round(exact)
-        return _designed(self.quarter, self.beside, self._place)
+        exact = math.log(load) / LOAD_STEP
+        if abs(exact - self._load) > 0.75:
+            self._load = round(exact)
+        return _designed(self.quarter, self.beside, self._place, self._load)

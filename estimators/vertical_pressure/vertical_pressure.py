@@ -5,7 +5,8 @@ here the road is noise of unknown level and unknown slopes (`quarter_car.roughne
 stiffness and road is weighted by likelihood (`bank`, `posterior`), which reaches the Cramer-Rao bound
 (`quarter_car.bound`). Estimates each `SAY` blocks (half a second):
 
-    WHEEL/stiffness    at the mean static load and the present speed [N/m]
+    WHEEL/stiffness    at the present static load and speed [N/m]
+    AXLE/load          sprung mass that front or rear bears, over the empty car's [-] (`payload`)
     WHEEL/pressure     by the maker's tyre law, taken for exact [Pa]
     WHEEL/pressure_bound  the least std of the pressure that any method could state by now (`limit`) [Pa]
     WHEEL/road_level   log4 of G(1 rad/m) over 1e-6 m^3/rad: 0 is the middle of ISO 8608 class A, 1 of B, 3 of D [-]
@@ -13,13 +14,14 @@ stiffness and road is weighted by likelihood (`bank`, `posterior`), which reache
     road/A ... road/D  probability of each class, mean of the wheels; A and D with what lies beyond [-]
 
 The std holds a relative share that no driving removes (`corner`). Says nothing below `SLOWEST`, where the road's short
-waves are shorter than the footprint, and learns nothing where the hub hears no road (`bank.QUIET`). Body acceleration
-is not used (`innovations`). What it cannot see: payload moves
-pressure by 1 kPa for 10 % of load; the sensor's scale error does not matter.
+waves are shorter than the footprint, and learns nothing where the hub hears no road (`bank.QUIET`). Of the body's
+acceleration comes the load, without it the car counts as empty, with a std that says so; it tells nothing of the
+stiffness (`innovations`). What it cannot see: a load on one side; the sensor's scale error does not matter.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import Any
 
@@ -47,12 +49,14 @@ from estimators.vertical_pressure.corner import (
 )
 from estimators.vertical_pressure.intake import BLOCK, HubIntake
 from estimators.vertical_pressure.limit import Limit
+from estimators.vertical_pressure.payload import Payload
 from estimators.vertical_pressure.posterior import FINE_SHORT, LOG_LEVEL, LOG_STIFFNESS, Posterior, moments
 from estimators.vertical_pressure.prediction import MEMORY
 
 SAY = 2  # blocks from one estimate to the next
 SLOWEST, FASTEST = 7.0, 90.0  # m/s
 CLASSES = "ABCD"
+PER_LOAD = 0.27  # ln k_t, and what the law adds, per ln of load that is not known: measured with none known
 USUAL_SPEED = 20.0  # m/s of the prior
 _MS = 1e-3
 # log4 of G(1 rad/m), (shorts, levels): w_s - 2 more than that of lambda (`quarter_car.roughness`)
@@ -61,7 +65,9 @@ _CLASS = np.clip(np.rint(_LEVEL), 0, len(CLASSES) - 1).astype(int)
 CHANNELS = (
     *(Channel(f"hub/{wheel}/accel_z") for wheel in WHEELS),
     *(Channel(f"wheel/{wheel}/speed") for wheel in WHEELS),
+    *(Channel(f"body/{wheel}/accel_z") for wheel in WHEELS),
 )
+NEEDED = 8  # of them; the rest tell the load
 
 
 class _Wheel:
@@ -70,14 +76,19 @@ class _Wheel:
     def __init__(self, car: Car, name: str, expected: tuple[float, float]) -> None:
         """expected: mean and std of the pressure before anything was heard [Pa]."""
         self.name = name
-        self.load = sum(quarter_masses(car, name)) * GRAVITY
-        prior = _prior(car, self.load, *expected)
+        self._masses = quarter_masses(car, name)
+        prior = _prior(car, self.load(1.0), *expected)
         self.intake, self.posterior = HubIntake(), Posterior(prior)
         self.limit = Limit(prior)
         self._past = np.zeros(MEMORY)
 
-    def step(self, value: NDArray[np.float64], bank: AxleBank, speed: float) -> None:
-        """A block of 1 kHz samples; speed [m/s], NaN or out of range: only time passes."""
+    def load(self, laden: float) -> float:
+        """Static, on the ground [N]; laden: sprung mass over the empty car's."""
+        sprung, unsprung = self._masses
+        return (laden * sprung + unsprung) * GRAVITY
+
+    def step(self, value: NDArray[np.float64], bank: AxleBank, speed: float, load: float) -> None:
+        """A block of 1 kHz samples; speed [m/s], NaN or out of range: only time passes; load: of the sprung mass."""
         self.pass_time(BLOCK * _MS)
         samples = self.intake.block(value)
         if samples is None or not SLOWEST <= speed <= FASTEST:
@@ -90,7 +101,7 @@ class _Wheel:
             return
         if np.mean(samples**2) < QUIET:
             return
-        filters, log_variance = bank.at(speed)
+        filters, log_variance = bank.at(speed, load)
         self.posterior.take(heard_by(filters, heard), log_variance, len(samples))
         self.limit.hear(BLOCK * _MS, bank.quarter, float(self.posterior.stiffness() @ LOG_STIFFNESS))
 
@@ -104,14 +115,14 @@ class VerticalPressure(Estimator):
     """Four wheels side by side."""
 
     name = "vertical_pressure"
-    requires = tuple(channel.signal for channel in CHANNELS)
-    reads = requires
+    reads = tuple(channel.signal for channel in CHANNELS)
+    requires = reads[:NEEDED]
 
     def __init__(self, car: Car) -> None:
         super().__init__(car)
         self._law = TyreLaw.of(car)
         self._blocks = GridBlocks(CHANNELS, _MS, BLOCK)
-        self._heard = np.zeros(len(CHANNELS), dtype=bool)
+        self._heard = np.zeros(NEEDED, dtype=bool)
         self._next: int | None = None
         self._identified: dict[str, Any] | None = None
         self._use({axle: maker_corner(car, axle) for axle in AXLES}, expected_pressure(car, {}))
@@ -121,6 +132,7 @@ class VerticalPressure(Estimator):
         self._expected = expected
         self._wheels = [_Wheel(self.car, name, expected) for name in WHEELS]
         self._gravity = [GravityCheck(BLOCK * _MS) for _ in WHEELS]
+        self._payload = Payload(self.car)
         self._banks = {
             axle: AxleBank(corner.quarter, beside(self.car, corners, axle)) for axle, corner in corners.items()
         }
@@ -148,15 +160,18 @@ class VerticalPressure(Estimator):
     def _step(self, block: int, values: NDArray[np.float64], flags: list[Flag]) -> None:
         missed = 0 if self._next is None else block - self._next
         self._next = block + 1
-        self._heard |= np.isfinite(values).any(axis=0)
+        self._heard |= np.isfinite(values[:, :NEEDED]).any(axis=0)
         speed = self._speed(values)
+        if missed > 0 or not SLOWEST <= speed <= FASTEST:
+            self._payload.skip()
+        self._payload.block(values[:, :4], values[:, NEEDED:])
         for i, wheel in enumerate(self._wheels):
             if missed > 0:
                 wheel.intake.skip()
                 wheel.pass_time(missed * BLOCK * _MS)
             before = self._gravity[i].believed
             if self._gravity[i].block(values[:, i]):
-                wheel.step(values[:, i], self._banks[AXLES[i // 2]], speed)
+                wheel.step(values[:, i], self._banks[AXLES[i // 2]], speed, self._payload.load[i // 2])
                 continue
             if before:  # what it has said lately was wrong, and cannot be told from what it said before
                 flags.append(not_gravity(CHANNELS[i].signal, (block + 1) * BLOCK * _MS, self._gravity[i].mean))
@@ -165,7 +180,7 @@ class VerticalPressure(Estimator):
 
     def _speed(self, values: NDArray[np.float64]) -> float:
         """Of the car in a block [m/s], NaN if no wheel tells: the median of the wheels, which no single one moves."""
-        wheels = values[:, 4:]
+        wheels = values[:, 4:NEEDED]
         means = [float(np.mean(w[np.isfinite(w)])) for w in wheels.T if np.isfinite(w).any()]
         return float(np.median(means)) * self.car.rolling_radius if means else float("nan")
 
@@ -173,19 +188,22 @@ class VerticalPressure(Estimator):
         rolling = speed if SLOWEST <= speed <= FASTEST else SLOWEST
         for i, wheel in enumerate(self._wheels):
             believed = wheel.posterior.stiffness()
-            share = self._corners[AXLES[i // 2]].stiffness_std
+            share = math.hypot(self._corners[AXLES[i // 2]].stiffness_std, PER_LOAD * self._payload.std)
+            load = wheel.load(self._payload.load[i // 2])
             stiffness = np.exp(LOG_STIFFNESS)
             mean, std = moments(believed, stiffness)
             rows.setdefault(f"{wheel.name}/stiffness", []).append((time, mean, float(np.hypot(std, share * mean))))
-            pressure = self._law.pressure_of(stiffness, rolling, wheel.load)
+            pressure = self._law.pressure_of(stiffness, rolling, load)
             mean_p, std_p = moments(believed, pressure)
-            systematic = float(self._law.pressure_std(share * mean, rolling, wheel.load))
+            systematic = float(self._law.pressure_std(share * mean, rolling, load))
             rows.setdefault(f"{wheel.name}/pressure", []).append((time, mean_p, float(np.hypot(std_p, systematic))))
-            bound = float(self._law.pressure_std(wheel.limit.std() * mean, rolling, wheel.load))
+            bound = float(self._law.pressure_std(wheel.limit.std() * mean, rolling, load))
             rows.setdefault(f"{wheel.name}/pressure_bound", []).append((time, bound, 0.0))
             road = wheel.posterior.road()
             rows.setdefault(f"{wheel.name}/road_level", []).append((time, *moments(road.ravel(), _LEVEL.ravel())))
             rows.setdefault(f"{wheel.name}/waviness", []).append((time, *moments(road.sum(axis=1), FINE_SHORT)))
+        for axle, load in zip(AXLES, self._payload.load, strict=True):
+            rows.setdefault(f"{axle}/load", []).append((time, load, load * self._payload.std))
         road = np.mean([wheel.posterior.road() for wheel in self._wheels], axis=0)
         for k, name in enumerate(CLASSES):
             p = float(min(road[k == _CLASS].sum(), 1.0))
