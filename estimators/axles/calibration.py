@@ -39,6 +39,7 @@ MAKER_STD, MAKER_DIFFERENCE_STD = 0.06, 0.04  # Declared: a drawing's masses, sp
 QUARTER_FIELDS = tuple(name for name in Quarter._fields if name != "hub_error")
 _TABLES = ("level", "ratio_real", "ratio_imag")
 _NUMBERS = ("coupling", "wheelbase", "stiffness_std", "difference_std")
+_SPREADS = ("told_std", "law_std")
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,14 +51,16 @@ class Identified:
     ratio: NDArray[np.complex128]
     stiffness_std: float
     difference_std: float
+    told_std: float = 0.0
+    law_std: float = 0.0
 
-    def shape(self, speed: float) -> NDArray[np.complex128]:
-        """Factors on H_f and H_r at a speed [m/s] and m = 0, (2, BINS)."""
-        return np.exp(self._logarithm(basis(0.0, speed, self.axles.wheelbase)))
+    def shape(self, speed: float, shift: float = 0.0) -> NDArray[np.complex128]:
+        """Factors on H_f and H_r at a speed [m/s] and m = 0, (2, BINS); shift [m]: of the wheelbase."""
+        return np.exp(self._logarithm(basis(0.0, speed, self.axles.wheelbase + shift)))
 
-    def bend(self, speed: float) -> NDArray[np.complex128]:
+    def bend(self, speed: float, shift: float = 0.0) -> NDArray[np.complex128]:
         """What is added to ln H_f and ln H_r for m = 1, (2, BINS)."""
-        at, none = (basis(m, speed, self.axles.wheelbase) for m in (1.0, 0.0))
+        at, none = (basis(m, speed, self.axles.wheelbase + shift) for m in (1.0, 0.0))
         return self._logarithm(at - none)
 
     def _logarithm(self, u: NDArray[np.float64]) -> NDArray[np.complex128]:
@@ -114,10 +117,15 @@ def from_document(document: Mapping[str, Any]) -> Identified:
     for name in _NUMBERS:
         if not _number(document[name]) or document[name] < 0.0 or (name == "wheelbase" and document[name] == 0.0):
             raise ValueError(f"calibration: {name} is {document[name]!r}, valid: a finite number from 0 on")
+    spreads = {name: document.get(name, 0.0) for name in _SPREADS}
+    for name, value in spreads.items():
+        if not _number(value) or not 0.0 <= value < 1.0:
+            raise ValueError(f"calibration: {name} is {value!r}, valid: a finite number from 0 to below 1")
     level, real, imag = (_table(name, document[name]) for name in _TABLES)
     axles = Axles(quarters[0], quarters[1], float(document["coupling"]), float(document["wheelbase"]))
     return Identified(
-        axles, level, real + 1j * imag, float(document["stiffness_std"]), float(document["difference_std"])
+        axles, level, real + 1j * imag, float(document["stiffness_std"]), float(document["difference_std"]),
+        float(spreads["told_std"]), float(spreads["law_std"]),
     )
 
 
@@ -143,6 +151,8 @@ def to_document(known: Identified) -> dict[str, Any]:
         "wheelbase": known.axles.wheelbase,
         "stiffness_std": known.stiffness_std,
         "difference_std": known.difference_std,
+        "told_std": known.told_std,
+        "law_std": known.law_std,
         "level": known.level.tolist(),
         "ratio_real": known.ratio.real.tolist(),
         "ratio_imag": known.ratio.imag.tolist(),

@@ -16,12 +16,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from estimators.axles.likelihood import STATES
+from estimators.axles.likelihood import CHANGING
 
-_TURN = np.eye(STATES)
+_TURN = np.eye(CHANGING)
 _TURN[:2, :2] = [[0.5, 1.0], [-0.5, 1.0]]  # columns: a unit of d, of the mean
 _BACK = np.linalg.inv(_TURN)
-_OTHERS = (np.arange(1, STATES), np.array([0, *range(2, STATES)]))
+_OTHERS = (np.arange(1, CHANGING), np.array([0, *range(2, CHANGING)]))
 LEAST = 1e-6  # information
 
 
@@ -34,7 +34,8 @@ class Evidence(NamedTuple):
 
 
 def evidence(theta: NDArray, P: NDArray, score: NDArray, J: NDArray) -> Evidence:
-    """theta (STATES,), P (STATES, STATES): before the block; score, J: of the block there."""
+    """theta (CHANGING,), P (CHANGING, CHANGING): before the block, what does not change in a drive taken for known;
+    score, J: of the block there."""
     turned, slope, information = _BACK @ theta, _TURN.T @ score, _TURN.T @ J @ _TURN
     covariance = _BACK @ P @ _BACK.T
     found = []
