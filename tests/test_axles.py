@@ -33,8 +33,8 @@ COUPLED = PLAIN._replace(coupling=5e-4)
 ONES = np.ones(BINS)
 
 
-def known(axles: Axles) -> Identified:
-    return Identified(axles, np.zeros((7, BINS)), np.zeros((7, BINS), complex), 0.0, 0.0)
+def known(axles: Axles, told_std: float = 0.0) -> Identified:
+    return Identified(axles, np.zeros((7, BINS)), np.zeros((7, BINS), complex), 0.0, 0.0, told_std, 0.0)
 
 
 def responses(axles: Axles, speed: float = SPEED, ratio: float = 1.0) -> NDArray[np.complex128]:

@@ -12,7 +12,9 @@ both axles above `REFERENCE`, and over speed, for each bin of `block`:
     ln |H_f| and ln |H_r|  +=  u . l        `level` (7, BINS)       u = (1, cos w tau, sin w tau,
     ln H_r                 +=  u . e        `ratio_real`, `ratio_imag`   m, m cos w tau, m sin w tau, ln v / `USUAL`)
 
-and what no driving removes: `stiffness_std` of each ln k, `difference_std` of ln k_f - ln k_r.
+and what no driving removes: `stiffness_std` of each ln k, `difference_std` of ln k_f - ln k_r. How well its numbers are
+known it may say itself, both 0 where it does not: `told_std`, relative, of every number of both axles and the wheelbase
+(`parameters`); `law_std`, relative, of the slope of the tyre's pressure law.
 """
 
 from __future__ import annotations
@@ -35,7 +37,8 @@ REFERENCE = 250e3  # N/m, where m = 0
 ROWS = 7  # of the tables
 USUAL = 20.0  # m/s, where s = 0
 ROLL_GYRATION = 0.39  # of the track: SUVs in NHTSA's inertia tables lie at 0.38 to 0.42
-MAKER_STD, MAKER_DIFFERENCE_STD = 0.06, 0.04  # Declared: a drawing's masses, springs and inertias
+TOLD_STD, LAW_STD = 0.058, 0.115  # Declared: a drawing's numbers within 10 %, the law's slope within 20 %, uniform
+MAKER_STD, MAKER_DIFFERENCE_STD = 0.06, 0.02  # Declared: what no such model tells, 15 kPa on the tuning car
 QUARTER_FIELDS = tuple(name for name in Quarter._fields if name != "hub_error")
 _TABLES = ("level", "ratio_real", "ratio_imag")
 _NUMBERS = ("coupling", "wheelbase", "stiffness_std", "difference_std")
@@ -51,8 +54,8 @@ class Identified:
     ratio: NDArray[np.complex128]
     stiffness_std: float
     difference_std: float
-    told_std: float = 0.0
-    law_std: float = 0.0
+    told_std: float
+    law_std: float
 
     def shape(self, speed: float, shift: float = 0.0) -> NDArray[np.complex128]:
         """Factors on H_f and H_r at a speed [m/s] and m = 0, (2, BINS); shift [m]: of the wheelbase."""
@@ -96,7 +99,8 @@ def maker_axles(car: Car) -> Identified:
             )
         )
     axles = Axles(quarters[0], quarters[1], roll, car.wheelbase)
-    return Identified(axles, np.zeros((ROWS, BINS)), np.zeros((ROWS, BINS), complex), MAKER_STD, MAKER_DIFFERENCE_STD)
+    tables = np.zeros((ROWS, BINS)), np.zeros((ROWS, BINS), complex)
+    return Identified(axles, *tables, MAKER_STD, MAKER_DIFFERENCE_STD, TOLD_STD, LAW_STD)
 
 
 def from_document(document: Mapping[str, Any]) -> Identified:

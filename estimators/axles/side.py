@@ -19,8 +19,8 @@ from numpy.typing import NDArray
 
 from estimators.axles.block import BINS
 from estimators.axles.calibration import Identified
-from estimators.axles.evidence import Evidence, evidence
-from estimators.axles.likelihood import BAND, BANDS, CHANGING, FRONT, LOAD, LOSS, REAR, SHIFT, SLOPES, STATES, expect, score_block
+from estimators.axles.evidence import Evidence, evidence, nothing
+from estimators.axles.likelihood import BAND, BANDS, CHANGING, FRONT, LEVEL, LOAD, LOSS, REAR, SHIFT, SLOPES, STATES, expect, score_block
 from estimators.axles.parameters import LOAD_STD, NUMBERS
 from estimators.compiled import compiled
 from estimators.quarter_car.road_shape import class_spectrum
@@ -35,6 +35,7 @@ NOISE = 2.0 * SENSOR_STD**2 / 1000.0  # N [(m/s^2)^2/Hz]: the sensor's density
 WANDER = np.array(  # std after 1 s
     [STIFFNESS_DRIFT, STIFFNESS_DRIFT, LEVEL_DRIFT, 8e-3, SHORT_DRIFT, SHORT_DRIFT, *[0.3] * BANDS, *[0.0] * NUMBERS]
 )
+FAR = np.array([0.7, 0.05])  # of ln lambda, half a class, and delta [m] in one block
 LEAST_TOLD = 1e-4  # of eta's spread: P stays positive definite
 LEVEL_STD, SHIFT_STD = 3.0, 0.02  # at the start; m: rolling radius 0.7 % off
 OPEN_ROAD, OPEN_STD, BACK = np.log(0.015), 1.5, 0.02  # nu: mean, std, 1/s
@@ -92,7 +93,7 @@ class Side:
     ) -> None:
         """log_stiffness: of front and rear [ln N/m] unloaded, prior, (2,); std: of each, (2,); stiffer: d ln k / dx by
         the tyre's law, x of `parameters`."""
-        self._known, self._stiffer = known, stiffer
+        self._known, self._stiffer, self._heard = known, stiffer, False
         road = [np.log(class_spectrum("B")), 0.0, WAVINESS, WAVINESS]
         self.theta = np.concatenate([log_stiffness, road, np.full(BANDS, OPEN_ROAD), np.zeros(NUMBERS)])
         shift = np.hypot(SHIFT_STD, known.told_std * known.axles.wheelbase)
@@ -115,14 +116,19 @@ class Side:
 
     def take(self, Y: NDArray[np.complex128], speed: float, stretch: float, gamma: NDArray[np.float64]) -> Evidence:
         """A block Y (BINS, 2) at a speed [m/s]; stretch: `response`; gamma (BINS,): `off_tracking`. What it says by
-        itself of the difference and the mean."""
+        itself of the difference and the mean: nothing if it is the first, or moves road level or wheelbase by `FAR`:
+        the slope of a likelihood at a wrong road level tells of a difference of some hundred per cent."""
         theta, P, known = self.theta[:CHANGING].copy(), self.P[:CHANGING, :CHANGING].copy(), self._known
         shift = float(theta[SHIFT])
         settle(
             known.axles, self.theta, self.P, Y, speed, stretch, known.shape(speed, shift), known.bend(speed, shift), gamma, NOISE,
             BAND, _LONGEST, self._score, self._J,
         )  # fmt: skip
-        return evidence(theta, P, self._score[:CHANGING], self._J[:CHANGING, :CHANGING])
+        said = evidence(theta, P, self._score[:CHANGING], self._J[:CHANGING, :CHANGING])
+        moved = np.abs(self.theta[[LEVEL, SHIFT]] - theta[[LEVEL, SHIFT]])
+        near = self._heard and bool((moved < FAR).all())
+        self._heard = True
+        return said if near else nothing(said)
 
     def difference(self) -> float:
         """d = ln k_f - ln k_r."""
