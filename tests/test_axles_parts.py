@@ -13,7 +13,7 @@ from estimators.axles.calibration import USUAL, basis, from_document, maker_axle
 from estimators.axles.delay import FrontDelay
 from estimators.axles.evidence import evidence
 from estimators.axles.identify import KnownRoad, identify
-from estimators.axles.likelihood import CHANGING
+from estimators.axles.likelihood import STATES
 from estimators.axles.motion import Motion, line, stretch
 from estimators.axles.off_tracking import SLIP_PER_ACCELERATION, STRAIGHT, coherency, offset
 from estimators.axles.response import hub_responses
@@ -84,13 +84,13 @@ def test_motion_of_a_block_is_a_straight_line_without_the_wheel_that_lies() -> N
 def test_evidence_of_a_block_is_the_estimate_with_all_else_integrated_out() -> None:
     """Of a Gaussian likelihood: the marginal over the others under their prior is known in closed form."""
     rng = np.random.default_rng(2)
-    root = rng.standard_normal((CHANGING, CHANGING))
-    J, spread = root @ root.T, rng.standard_normal((CHANGING, CHANGING))
-    P, theta, score = spread @ spread.T + np.eye(CHANGING), rng.standard_normal(CHANGING), rng.standard_normal(CHANGING)
+    root = rng.standard_normal((STATES, STATES))
+    J, spread = root @ root.T, rng.standard_normal((STATES, STATES))
+    P, theta, score = spread @ spread.T + np.eye(STATES), rng.standard_normal(STATES), rng.standard_normal(STATES)
     found = evidence(theta, P, score, J)
     for row, (value, variance) in zip(([1.0, -1.0], [0.5, 0.5]), found, strict=True):
         # the other stiffness direction, and the rest, with their prior; the direction itself with next to none
-        turn = np.eye(CHANGING)
+        turn = np.eye(STATES)
         turn[:2, :2] = [[1.0, -1.0], [0.5, 0.5]] if row[1] < 0.0 else [[0.5, 0.5], [1.0, -1.0]]
         back = np.linalg.inv(turn)
         prior = np.linalg.inv((turn @ P @ turn.T)[1:, 1:])

@@ -5,7 +5,8 @@ stiffnesses, nothing assumed of it, the other states n with their covariance P_n
 
     J_u = J_uu - J_un (J_nn + P_n^-1)^-1 J_nu        s_u = s_u - J_un (J_nn + P_n^-1)^-1 s_n
 
-so that theta_u = theta_0u + s_u / J_u is what the block measures, with variance 1 / J_u: the efficient score (Cox &
+What was told of the car (`parameters`) is among n: a difference that still moves since it is being learnt is no loss.
+So theta_u = theta_0u + s_u / J_u is what the block measures, with variance 1 / J_u: the efficient score (Cox &
 Hinkley, Theoretical Statistics, 1974, ch. 9.3). Directions: the difference d = ln k_f - ln k_r, and the mean of both.
 """
 
@@ -16,12 +17,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from estimators.axles.likelihood import CHANGING
+from estimators.axles.likelihood import STATES
 
-_TURN = np.eye(CHANGING)
+_TURN = np.eye(STATES)
 _TURN[:2, :2] = [[0.5, 1.0], [-0.5, 1.0]]  # columns: a unit of d, of the mean
 _BACK = np.linalg.inv(_TURN)
-_OTHERS = (np.arange(1, CHANGING), np.array([0, *range(2, CHANGING)]))
+_OTHERS = (np.arange(1, STATES), np.array([0, *range(2, STATES)]))
 LEAST = 1e-6  # information
 
 
@@ -34,8 +35,7 @@ class Evidence(NamedTuple):
 
 
 def evidence(theta: NDArray, P: NDArray, score: NDArray, J: NDArray) -> Evidence:
-    """theta (CHANGING,), P (CHANGING, CHANGING): before the block, what does not change in a drive taken for known;
-    score, J: of the block there."""
+    """theta (STATES,), P (STATES, STATES): before the block; score, J: of the block there."""
     turned, slope, information = _BACK @ theta, _TURN.T @ score, _TURN.T @ J @ _TURN
     covariance = _BACK @ P @ _BACK.T
     found = []

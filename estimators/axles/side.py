@@ -118,13 +118,13 @@ class Side:
         """A block Y (BINS, 2) at a speed [m/s]; stretch: `response`; gamma (BINS,): `off_tracking`. What it says by
         itself of the difference and the mean: nothing if it is the first, or moves road level or wheelbase by `FAR`:
         the slope of a likelihood at a wrong road level tells of a difference of some hundred per cent."""
-        theta, P, known = self.theta[:CHANGING].copy(), self.P[:CHANGING, :CHANGING].copy(), self._known
+        theta, P, known = self.theta.copy(), self.P.copy(), self._known
         shift = float(theta[SHIFT])
         settle(
             known.axles, self.theta, self.P, Y, speed, stretch, known.shape(speed, shift), known.bend(speed, shift), gamma, NOISE,
             BAND, _LONGEST, self._score, self._J,
         )  # fmt: skip
-        said = evidence(theta, P, self._score[:CHANGING], self._J[:CHANGING, :CHANGING])
+        said = evidence(theta, P, self._score, self._J)
         moved = np.abs(self.theta[[LEVEL, SHIFT]] - theta[[LEVEL, SHIFT]])
         near = self._heard and bool((moved < FAR).all())
         self._heard = True
