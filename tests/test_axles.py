@@ -115,7 +115,9 @@ def test_score_is_the_slope_of_the_log_likelihood_and_information_its_covariance
 
 def test_information_of_a_block_is_the_bound_s_own_at_its_bins() -> None:
     """Compiled, term by term, against matrices and differences in numpy."""
-    theta = np.array([*np.log(STIFFNESS), np.log(LEVEL_B), 0.0, 2.0, 2.0, *np.full(BANDS, np.log(0.05)), *np.zeros(NUMBERS)])
+    theta = np.array(
+        [*np.log(STIFFNESS), np.log(LEVEL_B), 0.0, 2.0, 2.0, *np.full(BANDS, np.log(0.05)), *np.zeros(NUMBERS)]
+    )
     H, slope = np.empty((2, BINS), complex), np.empty((SLOPES, 2, BINS), complex)
     score, J, flat = np.empty(STATES), np.empty((STATES, STATES)), np.zeros((2, BINS), complex)
     expect(COUPLED, theta, SPEED, 1.0, flat + 1.0, flat, H, slope)

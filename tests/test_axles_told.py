@@ -1,4 +1,4 @@
-"""What `axles` is told of the car, and does not take for a fact: masses and springs that are off, a load, a first block."""
+"""What `axles` is told and does not take for a fact: masses and springs that are off, a load, a first block."""
 
 from __future__ import annotations
 
@@ -42,7 +42,9 @@ def drawn(
 
 def followed(told: Axles, told_std: float, Y: NDArray[np.complex128]) -> Side:
     flat = np.zeros((7, BINS))
-    side = Side(Identified(told, flat, flat + 0j, 0.0, 0.0, told_std, 0.0), np.log([240e3, 240e3]), np.full(2, PRIOR_STD))
+    side = Side(
+        Identified(told, flat, flat + 0j, 0.0, 0.0, told_std, 0.0), np.log([240e3, 240e3]), np.full(2, PRIOR_STD)
+    )
     for block in Y:
         side.pass_time(STEP)
         side.take(block, SPEED, 1.0, ONES)

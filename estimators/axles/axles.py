@@ -6,8 +6,9 @@ after 2 s and to 1 % after 10 s (`bound`). How much the two have in common is me
 straight line, known (`off_tracking`): where nothing is common, the standard deviations are those of two single wheels.
 Estimates every `SAY` blocks (half a second):
 
-    WHEEL/stiffness       at the mean static load and the present speed [N/m]
-    WHEEL/pressure        by the maker's tyre law, taken for exact [Pa]
+    WHEEL/stiffness       at the load that it has and the present speed [N/m]
+    WHEEL/pressure        by the maker's tyre law at the load that is heard (`parameters`), the law's slope as uncertain
+                          as declared (`calibration`) [Pa]
     left/difference, right/difference     ln k_front - ln k_rear [-]
     left/coherence, right/coherence       share of the road that both wheels have in common, mean over the band [-]
     left/statistic, right/statistic       of the CUSUM behind the alarm (`watch`), in its own units

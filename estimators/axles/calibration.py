@@ -128,8 +128,13 @@ def from_document(document: Mapping[str, Any]) -> Identified:
     level, real, imag = (_table(name, document[name]) for name in _TABLES)
     axles = Axles(quarters[0], quarters[1], float(document["coupling"]), float(document["wheelbase"]))
     return Identified(
-        axles, level, real + 1j * imag, float(document["stiffness_std"]), float(document["difference_std"]),
-        float(spreads["told_std"]), float(spreads["law_std"]),
+        axles,
+        level,
+        real + 1j * imag,
+        float(document["stiffness_std"]),
+        float(document["difference_std"]),
+        float(spreads["told_std"]),
+        float(spreads["law_std"]),
     )
 
 

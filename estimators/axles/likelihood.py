@@ -10,8 +10,8 @@ G: the road's spectrum over that of slope -2 (`quarter_car.roughness`: level lam
 short ones); N: the sensors' noise; delta [m]: how much later than a wheelbase the rear wheel is there; 1 - e^nu: the
 coherency that is left beside the known loss gamma of off-tracking (`off_tracking`), nu for each of `BANDS`. G is common
 to both, so that the road's level and shape fall out of H_r / H_f as far as c is near 1; where c is 0, what is left are
-two wheels that know each other's road. theta = (ln k_f, ln k_r, ln lambda, delta, w_l, w_s, nu_1 ... nu_n, eta); eta: ln
-of each of the `NUMBERS` of both axles and of their coupling over what was told, `parameters`:
+two wheels that know each other's road. theta = (ln k_f, ln k_r, ln lambda, delta, w_l, w_s, nu_1 ... nu_n, eta), eta:
+what was told of the axles and may be wrong, and the load (`parameters`):
 
     score_i = share tr(S^-1 dS_i S^-1 (Y Y^H - S)),    J_ij = share tr(S^-1 dS_i S^-1 dS_j)
 """
@@ -46,8 +46,8 @@ _BREAK, _FROM, _ISO = float(BREAK), float(REFERENCE_WAVE), float(WAVINESS)
 
 @compiled
 def expect(told, theta, speed, stretch, shape, bend, H, slope):
-    """H (2, BINS) at theta, and d ln H by ln k, eta and delta, slope (SLOPES, 2, BINS), the second index the hub; shape,
-    bend (2, BINS): the identified correction, see `calibration`. Body and rear wheel are the same delta late."""
+    """H (2, BINS) at theta, and d ln H by ln k, eta and delta, slope (SLOPES, 2, BINS) with the hub second; shape, bend
+    (2, BINS): the identified correction, see `calibration`. What the body passes on is delta off a wheelbase, too."""
     eta = theta[_CHANGING:].copy()
     axles = corrected(told, eta, theta[3])
     kf, kr = np.exp(theta[0]), np.exp(theta[1])

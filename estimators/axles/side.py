@@ -9,7 +9,10 @@ by Fisher scoring (Green, J. R. Stat. Soc. B 46, 1984): with the expected inform
 is fitted to stays without bias, as far as theta_0 is near: each block is then a linear step.
 
 The mean of both ln k is what H_r / H_f says of it, which rests on the small difference of two nearly equal responses,
-and c near 1 makes it loud: right only as far as the tables of `calibration` are, so they know pressure and speed.
+and c near 1 makes it loud: right only as far as the tables of `calibration` are, so they know pressure and speed, and
+as far as both axles' numbers are, so these are states with a declared spread (`parameters`): told numbers up to 10 %
+off and taking them for exact, it was 57 kPa off after 40 s with a standard deviation of 11; with the spread declared
+18 with 17. Spread and load were checked on 64 tuning drives of 41 s, classes A to D, 36 to 100 km/h.
 """
 
 from __future__ import annotations
@@ -20,7 +23,21 @@ from numpy.typing import NDArray
 from estimators.axles.block import BINS
 from estimators.axles.calibration import Identified
 from estimators.axles.evidence import Evidence, evidence, nothing
-from estimators.axles.likelihood import BAND, BANDS, CHANGING, FRONT, LEVEL, LOAD, LOSS, REAR, SHIFT, SLOPES, STATES, expect, score_block
+from estimators.axles.likelihood import (
+    BAND,
+    BANDS,
+    CHANGING,
+    FRONT,
+    LEVEL,
+    LOAD,
+    LOSS,
+    REAR,
+    SHIFT,
+    SLOPES,
+    STATES,
+    expect,
+    score_block,
+)
 from estimators.axles.parameters import LOAD_STD, NUMBERS
 from estimators.compiled import compiled
 from estimators.quarter_car.road_shape import class_spectrum
@@ -121,8 +138,8 @@ class Side:
         theta, P, known = self.theta.copy(), self.P.copy(), self._known
         shift = float(theta[SHIFT])
         settle(
-            known.axles, self.theta, self.P, Y, speed, stretch, known.shape(speed, shift), known.bend(speed, shift), gamma, NOISE,
-            BAND, _LONGEST, self._score, self._J,
+            known.axles, self.theta, self.P, Y, speed, stretch, known.shape(speed, shift), known.bend(speed, shift),
+            gamma, NOISE, BAND, _LONGEST, self._score, self._J,
         )  # fmt: skip
         said = evidence(theta, P, self._score, self._J)
         moved = np.abs(self.theta[[LEVEL, SHIFT]] - theta[[LEVEL, SHIFT]])
