@@ -12,7 +12,8 @@ from estimators.axles.block import BINS, FREQUENCIES, SHARE, spectrum
 from estimators.axles.bound import SharedRoad, difference_std, pressure_std
 from estimators.axles.calibration import Identified
 from estimators.axles.intake import SideIntake
-from estimators.axles.likelihood import BAND, LOSS, STATES, expect, score_block
+from estimators.axles.likelihood import BAND, BANDS, LOSS, SLOPES, STATES, expect, score_block
+from estimators.axles.parameters import NUMBERS
 from estimators.axles.response import Axles, hub_responses
 from estimators.axles.side import NOISE, Side
 from estimators.quarter_car.bound import Setting, relative_stiffness_std
@@ -32,8 +33,8 @@ COUPLED = PLAIN._replace(coupling=5e-4)
 ONES = np.ones(BINS)
 
 
-def known(axles: Axles) -> Identified:
-    return Identified(axles, np.zeros((7, BINS)), np.zeros((7, BINS), complex), 0.0, 0.0)
+def known(axles: Axles, told_std: float = 0.0) -> Identified:
+    return Identified(axles, np.zeros((7, BINS)), np.zeros((7, BINS), complex), 0.0, 0.0, told_std, 0.0)
 
 
 def responses(axles: Axles, speed: float = SPEED, ratio: float = 1.0) -> NDArray[np.complex128]:
@@ -78,8 +79,9 @@ def test_coupled_axles_solve_the_four_mass_equations() -> None:
 def test_score_is_the_slope_of_the_log_likelihood_and_information_its_covariance() -> None:
     """Against differences of ln det S + Y^H S^-1 Y, and against the score's covariance over drawn blocks."""
     theta = np.array([*np.log(STIFFNESS), np.log(LEVEL_B), 0.01, 2.3, 1.7, *np.log([0.01, 0.03, 0.05, 0.1])])
+    theta = np.concatenate([theta, np.linspace(-0.1, 0.1, NUMBERS)])
     rng = np.random.default_rng(1)
-    H, slope = np.empty((2, BINS), complex), np.empty((2, 2, BINS), complex)
+    H, slope = np.empty((2, BINS), complex), np.empty((SLOPES, 2, BINS), complex)
     score, J = np.empty(STATES), np.empty((STATES, STATES))
     flat = np.zeros((2, BINS), complex)
 
@@ -113,8 +115,10 @@ def test_score_is_the_slope_of_the_log_likelihood_and_information_its_covariance
 
 def test_information_of_a_block_is_the_bound_s_own_at_its_bins() -> None:
     """Compiled, term by term, against matrices and differences in numpy."""
-    theta = np.array([*np.log(STIFFNESS), np.log(LEVEL_B), 0.0, 2.0, 2.0, *np.full(STATES - LOSS, np.log(0.05))])
-    H, slope = np.empty((2, BINS), complex), np.empty((2, 2, BINS), complex)
+    theta = np.array(
+        [*np.log(STIFFNESS), np.log(LEVEL_B), 0.0, 2.0, 2.0, *np.full(BANDS, np.log(0.05)), *np.zeros(NUMBERS)]
+    )
+    H, slope = np.empty((2, BINS), complex), np.empty((SLOPES, 2, BINS), complex)
     score, J, flat = np.empty(STATES), np.empty((STATES, STATES)), np.zeros((2, BINS), complex)
     expect(COUPLED, theta, SPEED, 1.0, flat + 1.0, flat, H, slope)
     score_block(flat.T.copy(), H, slope, theta, SPEED, ONES, NOISE, BAND, score, J)

@@ -20,7 +20,9 @@ SPEED, SECONDS, LOSS_AT, LEFT = 20.0, 34.0, 24.0, 0.896  # m/s, s, s, of the sti
 CAR = Car()
 POINT = Quarter(420.0, 58.0, 1e-3, 38e3, 3e3, 1e-4, 0.6, 0.005)
 DOCUMENT = to_document(
-    Identified(Axles(POINT, POINT, 0.0, CAR.wheelbase), np.zeros((7, 24)), np.zeros((7, 24), complex), 0.01, 0.005)
+    Identified(
+        Axles(POINT, POINT, 0.0, CAR.wheelbase), np.zeros((7, 24)), np.zeros((7, 24), complex), 0.01, 0.005, 0.0, 0.0
+    )
 )
 
 

@@ -6,8 +6,9 @@ after 2 s and to 1 % after 10 s (`bound`). How much the two have in common is me
 straight line, known (`off_tracking`): where nothing is common, the standard deviations are those of two single wheels.
 Estimates every `SAY` blocks (half a second):
 
-    WHEEL/stiffness       at the mean static load and the present speed [N/m]
-    WHEEL/pressure        by the maker's tyre law, taken for exact [Pa]
+    WHEEL/stiffness       at the load that it has and the present speed [N/m]
+    WHEEL/pressure        by the maker's tyre law at the load that is heard (`parameters`), the law's slope as uncertain
+                          as declared (`calibration`) [Pa]
     left/difference, right/difference     ln k_front - ln k_rear [-]
     left/coherence, right/coherence       share of the road that both wheels have in common, mean over the band [-]
     left/statistic, right/statistic       of the CUSUM behind the alarm (`watch`), in its own units
@@ -87,6 +88,8 @@ class Axles(Estimator):
         self, known: Identified, sound: Mapping[str, tuple[float, float]], expected: tuple[float, float]
     ) -> None:
         self._known, self._sound = known, sound
+        car = self.car  # a load e^x on the front's m_s is on all wheels' static load:
+        self._heavier = car.chassis_mass / known.axles.front.sprung_mass * car.chassis_mass / car.mass
         pressure, pressure_std = expected
         usual = np.array([self._law.stiffness_at(pressure, USUAL_SPEED, load) for load in self._loads])
         slopes = [self._law.pressure_std(k, USUAL_SPEED, load) for k, load in zip(usual, self._loads, strict=True)]
@@ -102,7 +105,7 @@ class Axles(Estimator):
     def _side(self, s: int) -> Side:
         """One that has heard nothing."""
         mean, std = self._expected
-        return Side(self._known, mean[s::2], std[s::2])
+        return Side(self._known, mean[s::2], std[s::2], self._law.per_load * self._heavier)
 
     def _watch(self, s: int) -> Watch:
         return Watch(self._sound.get(SIDES[s]))
@@ -201,11 +204,15 @@ class Axles(Estimator):
         for s, name in enumerate(SIDES):
             side = self._sides[s]
             relative = np.hypot(np.sqrt(side.stiffness_variance()), known.stiffness_std)
+            unloaded = np.hypot(np.sqrt(side.unloaded_variance()), known.stiffness_std)
+            heavier = np.exp(self._heavier * side.load())
             for place, k in enumerate(np.exp(side.log_stiffness()).tolist()):
-                w, std = 2 * place + s, k * float(relative[place])
-                rows.setdefault(f"{WHEELS[w]}/stiffness", []).append((time, k, std))
-                pressure = float(self._law.pressure_of(k, rolling, self._loads[w]))
-                pressure_std = float(self._law.pressure_std(std, rolling, self._loads[w]))
+                w, std = 2 * place + s, k * float(unloaded[place])
+                rows.setdefault(f"{WHEELS[w]}/stiffness", []).append((time, k, k * float(relative[place])))
+                load = self._loads[w] * heavier
+                pressure = float(self._law.pressure_of(k, rolling, load))
+                law = known.law_std * (pressure - self._law.pressure)  # p_Fz1 turns about nominal pressure
+                pressure_std = float(np.hypot(self._law.pressure_std(std, rolling, load), law))
                 rows.setdefault(f"{WHEELS[w]}/pressure", []).append((time, pressure, pressure_std))
             std = float(np.hypot(np.sqrt(side.difference_variance()), known.difference_std))
             rows.setdefault(f"{name}/difference", []).append((time, side.difference(), std))

@@ -47,7 +47,8 @@ class SharedRoad:
         """S at a changed by `change` (6,), (n, 2, 2) [(m/s^2)^2/Hz]."""
         H = np.empty((2, len(frequency)), np.complex128)
         kf, kr = self.stiffness[0] * np.exp(change[0]), self.stiffness[1] * np.exp(change[1])
-        hub_responses(self.axles, kf, kr, self.speed, 1.0, frequency, H)
+        axles = self.axles._replace(wheelbase=self.axles.wheelbase + change[3])
+        hub_responses(axles, kf, kr, self.speed, 1.0, frequency, H)
         H[1] *= np.exp(-2j * np.pi * frequency * change[3] / self.speed)
         shared = np.array([[1.0, self.coherency], [self.coherency, 1.0]])
         wave, long, short = 2.0 * np.pi * frequency / self.speed, WAVINESS + change[4], WAVINESS + change[5]

@@ -5,7 +5,8 @@ stiffnesses, nothing assumed of it, the other states n with their covariance P_n
 
     J_u = J_uu - J_un (J_nn + P_n^-1)^-1 J_nu        s_u = s_u - J_un (J_nn + P_n^-1)^-1 s_n
 
-so that theta_u = theta_0u + s_u / J_u is what the block measures, with variance 1 / J_u: the efficient score (Cox &
+What was told of the car (`parameters`) is among n: a difference that still moves since it is being learnt is no loss.
+So theta_u = theta_0u + s_u / J_u is what the block measures, with variance 1 / J_u: the efficient score (Cox &
 Hinkley, Theoretical Statistics, 1974, ch. 9.3). Directions: the difference d = ln k_f - ln k_r, and the mean of both.
 """
 
@@ -45,3 +46,8 @@ def evidence(theta: NDArray, P: NDArray, score: NDArray, J: NDArray) -> Evidence
         along = float(slope[u] - part @ slope[others])
         found.append((float(turned[u]) + along / own, 1.0 / own) if own > LEAST else (float(turned[u]), np.inf))
     return Evidence(found[0], found[1])
+
+
+def nothing(said: Evidence) -> Evidence:
+    """The same values, of which nothing is believed."""
+    return Evidence(*((value, np.inf) for value, _ in said))

@@ -169,4 +169,4 @@ def identify(maker: Identified, roads: Sequence[KnownRoad]) -> Identified:
         fit.tables()
         fit.search()
     fit.tables()
-    return Identified(fit.axles(fit.place), fit.level, fit.ratio, STIFFNESS_STD, DIFFERENCE_STD)
+    return Identified(fit.axles(fit.place), fit.level, fit.ratio, STIFFNESS_STD, DIFFERENCE_STD, 0.0, 0.0)

@@ -10,7 +10,8 @@ G: the road's spectrum over that of slope -2 (`quarter_car.roughness`: level lam
 short ones); N: the sensors' noise; delta [m]: how much later than a wheelbase the rear wheel is there; 1 - e^nu: the
 coherency that is left beside the known loss gamma of off-tracking (`off_tracking`), nu for each of `BANDS`. G is common
 to both, so that the road's level and shape fall out of H_r / H_f as far as c is near 1; where c is 0, what is left are
-two wheels that know each other's road. theta = (ln k_f, ln k_r, ln lambda, delta, w_l, w_s, nu_1 ... nu_n):
+two wheels that know each other's road. theta = (ln k_f, ln k_r, ln lambda, delta, w_l, w_s, nu_1 ... nu_n, eta), eta:
+what was told of the axles and may be wrong, and the load (`parameters`):
 
     score_i = share tr(S^-1 dS_i S^-1 (Y Y^H - S)),    J_ij = share tr(S^-1 dS_i S^-1 dS_j)
 """
@@ -21,6 +22,7 @@ import numpy as np
 
 from estimators.axles.block import BINS, FREQUENCIES, SHARE
 from estimators.axles.calibration import REFERENCE
+from estimators.axles.parameters import NUMBERS, corrected
 from estimators.axles.response import hub_responses
 from estimators.compiled import compiled, inlined
 from estimators.quarter_car.roughness import BREAK, WAVINESS
@@ -29,19 +31,25 @@ from estimators.quarter_car.roughness import REFERENCE as REFERENCE_WAVE
 FRONT, REAR, LEVEL, SHIFT, LONG, SHORT, LOSS = range(7)
 EDGES = (6.0, 11.0, 16.0)  # Hz, between the bands of nu
 BANDS = len(EDGES) + 1
-STATES = LOSS + BANDS
+CHANGING = LOSS + BANDS  # states that a drive may change; behind them eta, which it does not
+STATES = CHANGING + NUMBERS
+LOAD = STATES - 1
+SLOPES = 2 + NUMBERS + 1  # of ln H: by both ln k, eta and delta
 BAND = np.searchsorted(np.array(EDGES), FREQUENCIES)
 _REFERENCE = float(np.log(REFERENCE))
 _STEP = 1e-3  # of ln k, in the central differences
+_SMALL = 1e-5  # of eta and delta, ahead
 _FREQUENCIES = FREQUENCIES.copy()
-_BINS, _SHARE, _LOSS, _STATES = BINS, SHARE, LOSS, STATES
+_BINS, _SHARE, _LOSS, _CHANGING, _NUMBERS = BINS, SHARE, LOSS, CHANGING, NUMBERS
 _BREAK, _FROM, _ISO = float(BREAK), float(REFERENCE_WAVE), float(WAVINESS)
 
 
 @compiled
-def expect(axles, theta, speed, stretch, shape, bend, H, slope):
-    """H (2, BINS) at theta, and d ln H / d ln k, slope (2, 2, BINS) by stiffness and hub; shape, bend (2, BINS): the
-    identified correction, see `calibration`."""
+def expect(told, theta, speed, stretch, shape, bend, H, slope):
+    """H (2, BINS) at theta, and d ln H by ln k, eta and delta, slope (SLOPES, 2, BINS) with the hub second; shape, bend
+    (2, BINS): the identified correction, see `calibration`. What the body passes on is delta off a wheelbase, too."""
+    eta = theta[_CHANGING:].copy()
+    axles = corrected(told, eta, theta[3])
     kf, kr = np.exp(theta[0]), np.exp(theta[1])
     ahead = np.exp(_STEP)
     up, down = np.empty((2, _BINS), np.complex128), np.empty((2, _BINS), np.complex128)
@@ -57,6 +65,18 @@ def expect(axles, theta, speed, stretch, shape, bend, H, slope):
             for i in range(_BINS):
                 slope[p, hub, i] = (up[hub, i] - down[hub, i]) / (2.0 * _STEP * H[hub, i])
                 slope[p, hub, i] += 0.5 * bend[hub, i]
+    for j in range(_NUMBERS + 1):
+        shift = theta[3]
+        if j < _NUMBERS:
+            eta[j] += _SMALL
+        else:
+            shift += _SMALL
+        hub_responses(corrected(told, eta, shift), kf, kr, speed, stretch, _FREQUENCIES, up)
+        if j < _NUMBERS:
+            eta[j] -= _SMALL
+        for hub in range(2):
+            for i in range(_BINS):
+                slope[2 + j, hub, i] = np.log(up[hub, i] / H[hub, i]) / _SMALL
     mean = 0.5 * (theta[0] + theta[1]) - _REFERENCE
     for hub in range(2):
         for i in range(_BINS):
@@ -75,9 +95,10 @@ def score_block(Y, H, slope, theta, speed, gamma, noise, band, score, J):
     """Score (STATES,) and information (STATES, STATES) of Y (BINS, 2), both overwritten; -log-likelihood. noise: N."""
     score[:] = 0.0
     J[:] = 0.0
-    n = _LOSS + 1
+    n = _LOSS + 1 + _NUMBERS
     cost = 0.0
     place = np.arange(n)
+    place[_LOSS + 1 :] += _CHANGING - _LOSS - 1
     da, db, dx = np.zeros(n), np.zeros(n), np.zeros(n, np.complex128)
     u00, u11 = np.zeros(n, np.complex128), np.zeros(n, np.complex128)
     u01, u10 = np.zeros(n, np.complex128), np.zeros(n, np.complex128)
@@ -97,8 +118,13 @@ def score_block(Y, H, slope, theta, speed, gamma, noise, band, score, J):
         for p in range(2):
             at_front, at_rear = slope[p, 0, i], slope[p, 1, i]
             da[p], db[p], dx[p] = 2.0 * at_front.real * af, 2.0 * at_rear.real * ar, (np.conj(at_front) + at_rear) * x
+        for j in range(_NUMBERS):
+            at_front, at_rear, p = slope[2 + j, 0, i], slope[2 + j, 1, i], _LOSS + 1 + j
+            da[p], db[p], dx[p] = 2.0 * at_front.real * af, 2.0 * at_rear.real * ar, (np.conj(at_front) + at_rear) * x
         da[2], db[2], dx[2] = af, ar, x
-        da[3], db[3], dx[3] = 0.0, 0.0, -1j * turn * x
+        at_front, at_rear = slope[2 + _NUMBERS, 0, i], slope[2 + _NUMBERS, 1, i]
+        da[3], db[3] = 2.0 * at_front.real * af, 2.0 * at_rear.real * ar
+        dx[3] = (np.conj(at_front) + at_rear - 1j * turn) * x
         da[4], db[4], dx[4] = -below * af, -below * ar, -below * x
         da[5], db[5], dx[5] = -over * af, -over * ar, -over * x
         da[_LOSS], db[_LOSS], dx[_LOSS] = 0.0, 0.0, -lost / (1.0 - lost) * x

@@ -6,9 +6,10 @@ hub's and body's acceleration integrated twice,
     sum_i (k_i x_i + c_i dx_i/dt) = M (a_h + d q),    a_h: of the empty car's centre of gravity, q = (a_f - a_r) / L
 
 M: sprung mass [kg], d: how far payload moves its centre forward [m]. Both sides pass the same filters (high-passes at
-`LEAK` that make the integrals stay, band-pass `BAND`); M and M d by least squares over leaky sums. After 10 s noise
-leaves 1 % of M, after 60 s 0.5 %: what is left is the damper, which above 2 Hz makes most of the force: 10 % of c is 8
-% of M, and springs stiffer under load make 24 % more body mass read as 20 % (`SYSTEMATIC`). Left free c takes half the
+`LEAK` that make the integrals stay, band-pass `BAND`); M and M d by least squares over leaky sums. Noise
+leaves some 1 % of M after 10 s (scatter of 3 s windows, scaled): what is left is the damper, which above 2 Hz makes
+most of the force, so that 10 % of c is about 8 % of M, and springs stiffer under load make 24 % more body mass read as
+20 % (`SYSTEMATIC`). BAND and PRIOR_STD were chosen on six pairs of drives (seeds 70001 to 70006). Left free c takes half the
 load with it. Prior: `PRIOR_STD`. Believed only where the equation explains the force (`UNEXPLAINED`), as it does not in
 bends, in which lateral forces lift a body, and where the body does not twist (`TWISTED`), as one with a faulty sensor
 seems to. Left out: anti-dive and -lift, left and right loaded apart.

@@ -8,7 +8,8 @@ Wrong, for the second table: each of these off by its own factor, uniform within
     slope of the tyre's pressure law                                 LAW_ERROR
 
 The unsprung mass is the one that matters: with the road unknown a hop frequency tells k_t / m_us, so m_us 10 % off is
-k_t 10 % off. Identified at known pressures, on the same law, it is not off by that much; a drawing's may be.
+k_t 10 % off. Identified at known pressures, on the same law, it is not off by that much; a drawing's may be. `axles` is
+told how wrong its numbers may be, as a user knows it who has them from a data sheet.
 """
 
 from __future__ import annotations
@@ -69,6 +70,7 @@ def wrong(car: Car, seed: int) -> Told:
     sound = right(car)
     wheelbase = float(rng.uniform(1.0 - TOLD_ERROR, 1.0 + TOLD_ERROR))
     calibrations = {name: _off(document, by_axle, wheelbase) for name, document in sound.calibrations.items()}
+    calibrations["axles"] |= {"told_std": TOLD_ERROR / math.sqrt(3.0), "law_std": LAW_ERROR / math.sqrt(3.0)}
     by_quarter = {axle: factors(("sprung_mass", "unsprung_mass", *QUARTER_FIELDS)) for axle in AXLES}
     return Told(told_car, calibrations, _quarters(car, by_quarter))
 
