@@ -9,8 +9,8 @@ M: sprung mass [kg], d: how far payload moves its centre forward [m]. Both sides
 `LEAK` that make the integrals stay, band-pass `BAND`); M and M d by least squares over leaky sums. Noise
 leaves some 1 % of M after 10 s (scatter of 3 s windows, scaled): what is left is the damper, which above 2 Hz makes
 most of the force, so that 10 % of c is about 8 % of M, and springs stiffer under load make 24 % more body mass read as
-20 % (`SYSTEMATIC`). BAND and PRIOR_STD were chosen on six pairs of drives (seeds 70001 to 70006). Left free c takes half the
-load with it. Prior: `PRIOR_STD`. Believed only where the equation explains the force (`UNEXPLAINED`), as it does not in
+20 % (`SYSTEMATIC`). Left free c takes half the load with it. Prior: `PRIOR_STD`; it and BAND were chosen on six pairs
+of drives (seeds 70001 to 70006). Believed only where the equation explains the force (`UNEXPLAINED`), as it does not in
 bends, in which lateral forces lift a body, and where the body does not twist (`TWISTED`), as one with a faulty sensor
 seems to. Left out: anti-dive and -lift, left and right loaded apart.
 """
