@@ -53,6 +53,7 @@ class Band:
     noise: tuple[float, ...]
     slowest: float
     fastest: float
+    steadiest: float
 
 
 # the axes are as fine as a block can tell them apart: with steps of 4 in slope the frequency went from one to the other
@@ -67,9 +68,20 @@ ANTIPHASE = Band(
     (0, 0.015, 0.07, 0.3, 1.0),
     11.0,
     np.inf,
+    np.inf,
 )
 IN_PHASE = Band(
-    "in_phase", 24.0, 64.0, (30.0, 54.0, 0.75), (0.1, 0.15, 0.22), (-6, -2, 2), (-1, 4, 9), (0, 0.1, 0.5), 9.0, 16.0
+    "in_phase",
+    24.0,
+    64.0,
+    (30.0, 54.0, 0.75),
+    (0.1, 0.15, 0.22),
+    (-6, -2, 2),
+    (-1, 4, 9),
+    (0, 0.1, 0.5),
+    9.0,
+    16.0,
+    0.5,
 )
 
 

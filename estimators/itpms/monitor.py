@@ -48,7 +48,7 @@ SOURCES = ("vibration", "radius", "fused")
 WIDER = (1.0, 1.2)  # a block's frequency varies by that times what its spectrum says,
 SLOW, WIDER_SLOW = (
     12.0,
-    1.4,
+    2.5,
 )  # and the antiphase one's by that below a speed [m/s], where the contact patch's gap is in it
 # of the noise of two wheels on one side, which roll over the same road, of the antiphase frequency: correlation from
 # ROAD_FROM [m/s] on, none ROAD_WITHIN below

@@ -43,7 +43,7 @@ class Tuned:
     voting: Thresholds
 
 
-TUNED = Tuned({"vibration": 14.3, "radius": 17.6, "fused": 13.9}, Thresholds(7.6, 15.9, 20.1))
+TUNED = Tuned({"vibration": 14.3, "radius": 19.0, "fused": 13.9}, Thresholds(7.6, 15.9, 20.1))
 
 
 def threshold_of(largest: ArrayLike) -> EmpiricalThreshold:
