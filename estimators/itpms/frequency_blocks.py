@@ -2,8 +2,8 @@
 
 Each wheel: edges in order (`Line`), speed at RATE (`EdgeSpeed`), cut into blocks of BLOCK seconds on the clock, and of
 each block the two modes (`mode_grid`). Wheel orders are masked while the tooth ring is not learnt; a block in which the
-speed changes too much for that, or is not known throughout, or is outside a mode's speeds, says nothing. A block is
-there `DELAY` seconds after its end.
+speed changes too much for that or for the mode, or is not known throughout, or is outside a mode's speeds, says
+nothing. A block is there `DELAY` seconds after its end.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from estimators.car import Car
 from estimators.drive_log import WHEELS, Signal
-from estimators.itpms.mode_grid import ANTIPHASE, IN_PHASE, SIZE, ModeGrid
+from estimators.itpms.mode_grid import ANTIPHASE, BLOCK, IN_PHASE, SIZE, ModeGrid
 from estimators.vibration.line import Complaint, Line
 from estimators.wheel_speed.edge_speed import EdgeSpeed
 from estimators.wheel_speed.orders import order_lines
@@ -27,6 +27,7 @@ EDGES = tuple(f"wheel/{wheel}/edges" for wheel in WHEELS)
 LEARNT_TIME = 20.0  # s of turning over which a ring was learnt: its own lines are then below a tenth of the spectrum
 STEADIEST = 0.05  # largest relative change of speed in a block in which wheel orders can be masked
 DELAY = 1.0  # s
+BETWEEN = 0.75 * BLOCK  # s from the middle of a block's first quarter to that of its last
 _GRIDS: dict[str, ModeGrid] = {}  # templates are the same for every car
 
 
@@ -89,7 +90,8 @@ class FrequencyBlocks:
         change = speed[:, -SIZE // 4 :].mean(axis=1) - speed[:, : SIZE // 4].mean(axis=1)
         for m, grid in enumerate(grids()):
             v = self.omega * self._radius
-            heard = np.flatnonzero((v >= grid.band.slowest) & (v <= grid.band.fastest))
+            steady = np.abs(change) * self._radius <= BETWEEN * grid.band.steadiest
+            heard = np.flatnonzero((v >= grid.band.slowest) & (v <= grid.band.fastest) & steady)
             if len(heard):
                 used = np.array([self._used(w, grid.frequency, float(change[w])) for w in heard.tolist()])
                 found[m, heard] = grid.fit(speed[heard], used)

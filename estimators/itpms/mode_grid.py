@@ -17,7 +17,9 @@ A block that hardly narrows the grid says nothing: NaN. Sources: Whittle 1953; t
 tyre, Zegelaar 1998. The antiphase mode (rim against belt, some 85 Hz) follows the sidewall's torsion and little else;
 the in-phase mode (some 40 Hz), damped by slip more the faster the car, is what is left at low speed. Below 47 km/h the
 contact patch, as long as the wave, cuts the antiphase peak's upper side; templates that fall as steeply still tell its
-frequency down to 40 km/h, less well and lower than it is, as a calibration at these speeds learns.
+frequency down to 40 km/h, less well and lower than it is, as a calibration at these speeds learns. While the car gains
+speed the in-phase mode of driven wheels comes out a tenth lower and more, of others now and then by half; so it is not
+read then.
 """
 
 from __future__ import annotations
@@ -41,7 +43,7 @@ LEAST_BINS = 0.5  # of the band
 class Band:
     """low, high: of the band; f0: least and largest natural frequency and the step of its grid [Hz]; damping, slope,
     bend, noise: the grid's other axes; slowest, fastest: speeds between which it is read [m/s] (compare
-    `estimators.vibration.modes`)."""
+    `estimators.vibration.modes`); steadiest: change of speed up to which it is [m/s^2]."""
 
     name: str
     low: float
@@ -53,6 +55,7 @@ class Band:
     noise: tuple[float, ...]
     slowest: float
     fastest: float
+    steadiest: float
 
 
 # the axes are as fine as a block can tell them apart: with steps of 4 in slope the frequency went from one to the other
@@ -67,9 +70,20 @@ ANTIPHASE = Band(
     (0, 0.015, 0.07, 0.3, 1.0),
     11.0,
     np.inf,
+    np.inf,
 )
 IN_PHASE = Band(
-    "in_phase", 24.0, 64.0, (30.0, 54.0, 0.75), (0.1, 0.15, 0.22), (-6, -2, 2), (-1, 4, 9), (0, 0.1, 0.5), 9.0, 16.0
+    "in_phase",
+    24.0,
+    64.0,
+    (30.0, 54.0, 0.75),
+    (0.1, 0.15, 0.22),
+    (-6, -2, 2),
+    (-1, 4, 9),
+    (0, 0.1, 0.5),
+    9.0,
+    16.0,
+    0.5,
 )
 
 
