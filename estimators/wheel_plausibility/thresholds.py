@@ -13,4 +13,4 @@ import numpy as np
 
 FALSE_ALARMS_PER_HOUR = 0.01
 DRIFT, LEVEL = 1.6, 1.07  # m/s, m
-LIMITS = np.array([DRIFT, LEVEL])
+LIMITS = np.array([[1.6, 1.07], [DRIFT, LEVEL]])
