@@ -7,11 +7,13 @@ pitch, offset), a random walk:
     v_i   = v + slip              each wheel (`geometry.car_speeds`), variance grown by speed, push and curve
 
 A wheel counts with the weight of a Student t (STUDENT degrees): one that is far off counts little at once, and one that
-is accused not at all. Evidence: z_i = how far |v_i - v| is beyond what v itself is unsure of and what a tyre slips
-under this push;
+is accused not at all. Under a push a tyre slips to one side only: braked it turns too slowly, driven too fast. So of
+the wheels that brake the fastest tells most of v: on the other side only FREE of a slip's variance is reckoned with.
+Evidence: z_i = how far |v_i - v| is beyond what v itself is unsure of and what a tyre slips under this push;
 
-    g_i <- max(g_i + (z_i - nu) dt, 0),  up and down;  accused above h;  taken back after BACK_AFTER near v
+    g_i <- max(g_i + (z_i - nu) / h dt, 0),  up and down;  accused above 1;  taken back after BACK_AFTER near v
 
+with nu, h of the side (`thresholds`).
 If no wheel is left, v follows the accelerometer and its variance says how badly. Once all that say something agree with
 one another for as long as RESTART they are believed again. Left out: brake torque, unlike radii, roll of the body.
 """
@@ -38,6 +40,7 @@ PUSHED = 1.0  # m/s^2 from which on the push says to which side a tyre slips. De
 STUDENT, MOST = 3.0, 2.0  # MOST: of the evidence
 NEAR, BACK_AFTER = 0.6, 1.0  # m/s, s
 RESTART, TOGETHER = 3.0, 0.6  # s, m/s
+FREE = 0.03  # of a slip's variance, on the side to which no tyre slips. Declared
 UNSURE = 2.0  # standard deviations of v that no wheel is blamed for
 WILD = 200.0  # m/s, m/s^2, rad/s: beyond any car
 # columns of what is said
@@ -176,7 +179,7 @@ def follow(c, s, limits, index, cells, said):
         hard = min(abs(push), 10.0) if known else 5.0
         v = abs(s.x[0])
         slip = (PER_PUSH * v * hard / GRAVITY) ** 2 * 4.0 * COMMON / STEP
-        variance = NOISE**2 + (PER_SPEED * v) ** 2 + slip + (PER_CURVE * v * turn) ** 2
+        plain = NOISE**2 + (PER_SPEED * v) ** 2 + (PER_CURVE * v * turn) ** 2
         unsure = UNSURE * math.sqrt(s.P[0, 0])
         slips = unsure + min(SLIPS * v * hard / GRAVITY, SLIPS_MOST)
         slow = not known or push < PUSHED  # a tyre may turn too slowly, too fast: slip is on the side of the push
@@ -186,7 +189,7 @@ def follow(c, s, limits, index, cells, said):
         before = s.x[0]
         for i in range(4):
             if math.isfinite(speeds[i]) and s.accused[i] == 0.0:
-                _take(s, speeds[i], variance)
+                _take(s, speeds[i], plain + (slip if (fast if speeds[i] > s.x[0] else slow) else FREE * slip))
         _judge(s, speeds, before, allowed, judged, dt)
         _restart(s, speeds, dt)
         said[k, 0], said[k, 1] = s.x[0], math.sqrt(max(s.P[0, 0], 0.0))
