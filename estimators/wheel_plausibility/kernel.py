@@ -7,11 +7,13 @@ pitch, offset), a random walk:
     v_i   = v + slip              each wheel (`geometry.car_speeds`), variance grown by speed, push and curve
 
 A wheel counts with the weight of a Student t (STUDENT degrees): one that is far off counts little at once, and one that
-is accused not at all. Evidence: z_i = how far |v_i - v| is beyond what v itself is unsure of and what a tyre slips
-under this push;
+is accused not at all. Under a push a tyre slips to one side only: braked it turns too slowly, driven too fast. So of
+the wheels that brake the fastest tells most of v: on the other side only FREE of a slip's variance is reckoned with.
+Evidence: z_i = how far |v_i - v| is beyond what v itself is unsure of and what a tyre slips under this push;
 
-    g_i <- max(g_i + (z_i - nu) dt, 0),  up and down;  accused above h;  taken back after BACK_AFTER near v
+    g_i <- max(g_i + (z_i - nu) / h dt, 0),  up and down;  accused above 1;  taken back after BACK_AFTER near v
 
+with nu, h of the side (`thresholds`).
 If no wheel is left, v follows the accelerometer and its variance says how badly. Once all that say something agree with
 one another for as long as RESTART they are believed again. Left out: brake torque, unlike radii, roll of the body.
 """
@@ -34,9 +36,11 @@ WALK_SPEED, WALK_OFFSET = 0.05, 0.15  # m/s, m/s^2 per sqrt(s), declared: the gr
 NOISE, PER_SPEED, PER_PUSH, PER_CURVE = 0.05, 0.005, 0.04, 0.02  # m/s; of v; of v a/g; of v r times 1 s. Declared
 COMMON = 1.0  # s for which the slip of a push lasts, on all wheels alike: so long it counts as one observation
 SLIPS, SLIPS_MOST = 0.1, 0.4  # of v a/g, m/s: what a tyre under anti-lock control slips is no error. Declared
-STUDENT = 3.0
+PUSHED = 1.0  # m/s^2 from which on the push says to which side a tyre slips. Declared
+STUDENT, MOST = 3.0, 2.0  # MOST: of the evidence
 NEAR, BACK_AFTER = 0.6, 1.0  # m/s, s
 RESTART, TOGETHER = 3.0, 0.6  # s, m/s
+FREE = 0.03  # of a slip's variance, on the side to which no tyre slips. Declared
 UNSURE = 2.0  # standard deviations of v that no wheel is blamed for
 WILD = 200.0  # m/s, m/s^2, rad/s: beyond any car
 # columns of what is said
@@ -147,8 +151,8 @@ def _take(s, value, variance):
 @compiled
 def follow(c, s, limits, index, cells, said):
     """Cells in order: index (n,), cells (n, 7): four wheel speeds [rad/s], f_x, yaw rate, steering-wheel angle; NaN
-    where missing. limits: nu [m/s], h [m]. Fills said (n, SAID): v, its std, v_i - v (4), g (4), accused (4)."""
-    speeds = np.empty(4)
+    where missing. limits (2, 2): nu [m/s], h [m] of a side to which no tyre slips, to which it may. Fills said (n, SAID): v, its std, v_i - v (4), g (4), accused (4)."""
+    speeds, allowed, judged = np.empty(4), np.empty(2), np.empty((2, 2))
     for k in range(len(index)):
         missed = index[k] - s.clock[0] if s.clock[0] >= 0 else 1.0
         s.clock[0] = index[k]
@@ -175,13 +179,18 @@ def follow(c, s, limits, index, cells, said):
         hard = min(abs(push), 10.0) if known else 5.0
         v = abs(s.x[0])
         slip = (PER_PUSH * v * hard / GRAVITY) ** 2 * 4.0 * COMMON / STEP
-        variance = NOISE**2 + (PER_SPEED * v) ** 2 + slip + (PER_CURVE * v * turn) ** 2
-        allowed = UNSURE * math.sqrt(s.P[0, 0]) + min(SLIPS * v * hard / GRAVITY, SLIPS_MOST)
+        plain = NOISE**2 + (PER_SPEED * v) ** 2 + (PER_CURVE * v * turn) ** 2
+        unsure = UNSURE * math.sqrt(s.P[0, 0])
+        slips = unsure + min(SLIPS * v * hard / GRAVITY, SLIPS_MOST)
+        slow = not known or push < PUSHED  # a tyre may turn too slowly, too fast: slip is on the side of the push
+        fast = not known or push > -PUSHED
+        allowed[0], allowed[1] = slips if fast else unsure, slips if slow else unsure
+        judged[0], judged[1] = limits[int(fast)], limits[int(slow)]
         before = s.x[0]
         for i in range(4):
             if math.isfinite(speeds[i]) and s.accused[i] == 0.0:
-                _take(s, speeds[i], variance)
-        _judge(s, speeds, before, allowed, limits[0], limits[1], dt)
+                _take(s, speeds[i], plain + (slip if (fast if speeds[i] > s.x[0] else slow) else FREE * slip))
+        _judge(s, speeds, before, allowed, judged, dt)
         _restart(s, speeds, dt)
         said[k, 0], said[k, 1] = s.x[0], math.sqrt(max(s.P[0, 0], 0.0))
         for i in range(4):
@@ -191,18 +200,17 @@ def follow(c, s, limits, index, cells, said):
 
 
 @compiled
-def _judge(s, speeds, before, allowed, drift, level, dt):
-    """Evidence against each wheel; accused, taken back."""
+def _judge(s, speeds, before, allowed, limits, dt):
+    """Evidence against each wheel; accused, taken back. allowed [m/s], limits (2, 2): too fast, too slow."""
     for i in range(4):
         if not math.isfinite(speeds[i]):
             continue
         off = speeds[i] - before
-        beyond = max(abs(off) - allowed, 0.0)
         for side in range(2):
-            z = beyond if (off > 0.0) == (side == 0) else 0.0
-            s.g[side, i] = min(max(s.g[side, i] + (z - drift) * dt, 0.0), 2.0 * level)
+            z = max((off if side == 0 else -off) - allowed[side], 0.0)
+            s.g[side, i] = min(max(s.g[side, i] + (z - limits[side, 0]) / limits[side, 1] * dt, 0.0), MOST)
         s.near[i] = s.near[i] + dt if abs(off) < NEAR else 0.0
-        if max(s.g[0, i], s.g[1, i]) > level:
+        if max(s.g[0, i], s.g[1, i]) > 1.0:
             s.accused[i] = 1.0
         elif s.accused[i] > 0.0 and s.near[i] >= BACK_AFTER:
             s.accused[i] = 0.0

@@ -25,7 +25,7 @@ from estimators.wheel_plausibility.geometry import GEOMETRIES
 from estimators.wheel_plausibility.kernel import STEP
 from estimators.wheel_plausibility.published import METHODS
 from estimators.wheel_plausibility.residuals import AVERAGES, PAIRS
-from estimators.wheel_plausibility.thresholds import FALSE_ALARMS_PER_HOUR, LEVEL
+from estimators.wheel_plausibility.thresholds import FALSE_ALARMS_PER_HOUR
 from testbed.scenario import Scenario
 from testbed.study.study import Row, Study, StudyRow, Task, run_seed
 from testbed.study.wheel_plausibility import work
@@ -127,7 +127,7 @@ def _false(cases: Sequence[Mapping[str, Any]]) -> Iterator[StudyRow]:
     yield StudyRow("hours", "h", here=hours)
     try:
         tail = fit_tail([case["peaks"] for case in cases if case["peaks"]], SECOND * STEP / 3600.0)
-        rate: Interval | None = tail.rate_at(LEVEL)
+        rate: Interval | None = tail.rate_at(1.0)
     except ValueError:  # too few blocks above nothing: no tail to speak of
         rate = None
     yield StudyRow.of(
