@@ -25,7 +25,6 @@ from estimators.vertical_pressure.innovations import ERROR_UNIT
 from estimators.vertical_pressure.posterior import (
     FINE_SHORT,
     LEVEL_DRIFT,
-    LEVEL_JUMPS,
     LOG_LEVEL,
     LOG_STIFFNESS,
     ROAD_JUMPS,
@@ -153,12 +152,10 @@ def test_belief_is_bayes_on_the_grid_and_moves_as_stated() -> None:
         padded = np.pad(before, [(int(a == axis),) * 2 for a in range(4)], mode="edge")
         share = 0.5 * drift**2 * dt / (cells[1] - cells[0]) ** 2
         moved += share * np.diff(padded, 2, axis=axis)
-    k, level, road = STIFFNESS_JUMPS * dt, LEVEL_JUMPS * dt, ROAD_JUMPS * dt
-    any_level = before.mean(axis=3, keepdims=True)
+    k, road = STIFFNESS_JUMPS * dt, ROAD_JUMPS * dt
     new_k = posterior._prior[:, None] * before.sum(axis=2, keepdims=True)
     new_road = before.sum(axis=(0, 1, 3))[:, None] * posterior._road[:, :, None, :]
-    wanted = (1.0 - level) * ((1.0 - k) * moved + k * new_k) + level * any_level
-    wanted = (1.0 - road) * wanted + road * new_road
+    wanted = (1.0 - k) * (1.0 - road) * moved + k * (1.0 - road) * new_k + road * new_road
     assert posterior.p == pytest.approx(wanted, rel=1e-9)
     assert posterior.p.sum() == pytest.approx(1.0, abs=1e-12)
     before = posterior.p.copy()

@@ -103,30 +103,25 @@ def taken(p, log_likelihood, highest):
 
 
 @compiled
-def moved_on(p, new, prior_k, prior_road, drift_k, jump_k, drift_s, drift_l, jump_level, jump_road):
+def moved_on(p, new, prior_k, prior_road, drift_k, jump_k, drift_s, drift_l, jump_road):
     """The grid one block on, p (`SHAPE`) into new. drift: share of a cell that goes to each neighbour in ln k, w_s,
-    ln lambda; jump: of all, to the prior of the stiffness (k,), to any level with the road's slopes kept, to the prior
-    of the road (long, short, levels)."""
+    ln lambda; jump: of all, to the prior of the stiffness (k,), of the road (long, short, levels)."""
     longs, shorts, rows, columns = p.shape
     by_stiffness, by_road = np.zeros(rows), np.zeros((longs, shorts, columns))
-    by_slope = np.zeros((longs, shorts, rows))
     for a in range(longs):
         for s in range(shorts):
             for k in range(rows):
                 own = p[a, s, k]
                 for f in range(columns):
                     by_road[a, s, f] += own[f]
-                by_slope[a, s, k] = own.sum()
-                by_stiffness[k] += by_slope[a, s, k]
-    same = (1.0 - jump_road) * (1.0 - jump_level)
-    stays, last = (1.0 - jump_k) * same, columns - 1
+                by_stiffness[k] += own.sum()
+    stays, last = (1.0 - jump_k) * (1.0 - jump_road), columns - 1
     for a in range(longs):
         for s in range(shorts):
             more, less = min(s + 1, shorts - 1), max(s - 1, 0)
             for k in range(rows):
                 up, down = min(k + 1, rows - 1), max(k - 1, 0)
-                here, other = jump_k * same * prior_k[k], jump_road * by_stiffness[k]
-                any_level = (1.0 - jump_road) * jump_level * by_slope[a, s, k] / columns
+                here, other = jump_k * (1.0 - jump_road) * prior_k[k], jump_road * by_stiffness[k]
                 own, out = p[a, s, k], new[a, s, k]
                 above, below, steeper, flatter = p[a, s, up], p[a, s, down], p[a, more, k], p[a, less, k]
                 arrived, road = by_road[a, s], prior_road[a, s]
@@ -134,7 +129,7 @@ def moved_on(p, new, prior_k, prior_road, drift_k, jump_k, drift_s, drift_l, jum
                     value = own[f]
                     moved = value + drift_k * (above[f] + below[f] - 2.0 * value)
                     moved += drift_s * (steeper[f] + flatter[f] - 2.0 * value)
-                    out[f] = stays * moved + here * arrived[f] + other * road[f] + any_level
+                    out[f] = stays * moved + here * arrived[f] + other * road[f]
                 for f in range(1, last):
                     out[f] += stays * drift_l * (own[f + 1] + own[f - 1] - 2.0 * own[f])
                 out[0] += stays * drift_l * (own[1] - own[0])

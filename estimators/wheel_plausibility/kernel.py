@@ -40,7 +40,7 @@ PUSHED = 1.0  # m/s^2 from which on the push says to which side a tyre slips. De
 STUDENT, MOST = 3.0, 2.0  # MOST: of the evidence
 NEAR, BACK_AFTER = 0.6, 1.0  # m/s, s
 RESTART, TOGETHER = 3.0, 0.6  # s, m/s
-FREE = 0.03  # of a slip's variance, on the side to which no tyre slips. Declared
+FREE = 0.03  # of a slip's variance, on the side to which no tyre slips
 UNSURE = 2.0  # standard deviations of v that no wheel is blamed for
 WILD = 200.0  # m/s, m/s^2, rad/s: beyond any car
 # columns of what is said
@@ -151,7 +151,8 @@ def _take(s, value, variance):
 @compiled
 def follow(c, s, limits, index, cells, said):
     """Cells in order: index (n,), cells (n, 7): four wheel speeds [rad/s], f_x, yaw rate, steering-wheel angle; NaN
-    where missing. limits (2, 2): nu [m/s], h [m] of a side to which no tyre slips, to which it may. Fills said (n, SAID): v, its std, v_i - v (4), g (4), accused (4)."""
+    where missing. limits (2, 2): nu [m/s], h [m] of a side to which no tyre slips, and of one to which it may. Fills
+    said (n, SAID): v, its std, v_i - v (4), g (4), accused (4)."""
     speeds, allowed, judged = np.empty(4), np.empty(2), np.empty((2, 2))
     for k in range(len(index)):
         missed = index[k] - s.clock[0] if s.clock[0] >= 0 else 1.0
