@@ -3,8 +3,8 @@
 Two sides: that to which a tyre may slip under the present push, and that to which none does (`kernel.PUSHED`). Record:
 the study's 58 scenarios ten times (seed 601, used for nothing else), 3.1 h: rapid steering, mu-split and hard braking,
 circles. Largest evidence of each second in which, and in the two before, no wheel was more than 13 km/h off the true
-speed of the car; all but 1 % of them have none; what there is comes from wheels that do slip by 10 to 12 km/h, under anti-lock control
-and on ice.
+speed of the car; all but 1 % of them have none; what there is comes from wheels that do slip by 10 to 12 km/h, under
+anti-lock control and on ice.
 
     may slip    largest 1.03 m, next 0.95, then 0.59 m. A tail of so few says little: generalised Pareto
                 (`scores.tail`) to LEVEL 0 (95 %: below 31) in 100 h with a share of 1 %, 94 with more
