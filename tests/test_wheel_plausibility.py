@@ -141,6 +141,23 @@ def heard(cells: NDArray[np.float64]) -> NDArray[np.float64]:
     return said
 
 
+@pytest.mark.parametrize(("push", "sign"), [(-6.0, 1.0), (3.0, -1.0)])
+def test_a_tyre_slips_to_the_side_of_the_push_and_a_wheel_off_to_the_other_is_named_at_once(
+    push: float, sign: float
+) -> None:
+    """Braked or driven for 3 s; wheel speed 13 km/h off to either side from 1.5 s on."""
+    start, told = round(1.5 / STEP), {}
+    for side in (sign, -sign):
+        cells = motion(3.0, 25.0 + push * STEP * np.arange(round(3.0 / STEP)), push=push)
+        cells[start:, 1] += side * 13.0 * KMH / CAR.rolling_radius
+        accused = heard(cells)[start:, ACCUSED] > 0.5
+        assert not accused[:, [0, 2, 3]].any()
+        told[side] = STEP * (np.flatnonzero(accused[:, 1])[0] + 1)
+    drift, level = LIMITS[0]
+    assert level / (13.0 * KMH - drift) <= told[sign] < 0.3  # s; 0.2 s of latency come to it
+    assert told[-sign] > 1.5 * told[sign]
+
+
 @pytest.mark.parametrize("wheels", [[0], [3], [0, 1], [1, 2], [2, 3]])
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 @pytest.mark.parametrize("turn", [0.0, 0.5])
